@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace prism {
+
+// Writes a file so that it is either whole or absent: `write` fills a temporary file beside `path`,
+// which is then renamed to `path`. The temporary name ends in path's own extension (image encoders
+// choose the format by it). If `write` throws or the disk is full the temporary file is removed.
+// Throws InputError naming `path`.
+void WriteFileAtomically(const std::string& path,
+                         const std::function<void(const std::string& temporary_path)>& write);
+
+// The same for contents in memory.
+void WriteTextAtomically(const std::string& path, const std::string& contents);
+
+// Creates a directory with its parents. Throws InputError if that cannot be done.
+void CreateDirectory(const std::string& path);
+
+// The whole file. Throws InputError if it cannot be read.
+std::string ReadTextFile(const std::string& path);
+
+}  // namespace prism

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/tool_main.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <vector>
+
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include "prism/base/error.h"
+
+// gflags ends the program with status 1 on a bad flag; it lets tests replace the function it calls.
+namespace GFLAGS_NAMESPACE {
+extern GFLAGS_DLL_DECL void (*gflags_exitfunc)(int);
+}
+
+namespace prism {
+namespace {
+
+bool IsOwnFlag(const gflags::CommandLineFlagInfo& flag) {
+  return flag.filename.find("tools/") != std::string::npos;
+}
+
+std::vector<gflags::CommandLineFlagInfo> OwnFlags() {
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  flags.erase(
+      std::remove_if(flags.begin(), flags.end(), [](const auto& f) { return !IsOwnFlag(f); }),
+      flags.end());
+  return flags;
+}
+
+void PrintHelp(const ToolDescription& description) {
+  std::cout << description.name << ": " << description.summary << "\n\nUsage: " << description.name
+            << " " << description.usage << "\n\nExample:\n  " << description.example
+            << "\n\nFlags:\n";
+  for (const auto& flag : OwnFlags()) {
+    std::cout << "  --" << flag.name << "=" << flag.default_value << "  (" << flag.type
+              << ")\n      " << flag.description << "\n";
+  }
+  std::cout << "  --flagfile=\n      A file of flags, one a line.\n";
+}
+
+bool WantsHelp(int argc, char** argv) {
+  return std::any_of(argv + 1, argv + argc, [](const char* argument) {
+    return std::strcmp(argument, "--help") == 0 || std::strcmp(argument, "-help") == 0 ||
+           std::strcmp(argument, "-h") == 0;
+  });
+}
+
+}  // namespace
+
+std::map<std::string, std::string> EffectiveOptions() {
+  std::map<std::string, std::string> options;
+  for (const auto& flag : OwnFlags()) options[flag.name] = flag.current_value;
+  return options;
+}
+
+void RequireFlag(const std::string& name, const std::string& value, const std::string& expected) {
+  if (value.empty()) throw InputError("--" + name, "nothing", expected);
+}
+
+int RunTool(const ToolDescription& description,
+            int argc,
+            char** argv,
+            const std::function<ExitStatus()>& run) {
+  if (WantsHelp(argc, argv)) {
+    PrintHelp(description);
+    return kExitDone;
+  }
+  gflags::gflags_exitfunc = [](int status) { std::exit(status == 0 ? kExitDone : kExitBadInput); };
+  FLAGS_logtostderr = true;
+  google::InitGoogleLogging(argv[0]);
+  gflags::ParseCommandLineFlags(&argc, &argv, true);
+  try {
+    if (argc > 1) throw InputError("command line", "'" + std::string(argv[1]) + "'", "flags only");
+    std::cout << description.name;
+    for (const auto& [name, value] : EffectiveOptions()) {
+      std::cout << " --" << name << "=" << value;
+    }
+    std::cout << std::endl;
+    return run();
+  } catch (const InputError& error) {
+    std::cout.flush();
+    std::cerr << description.name << ": " << error.what() << std::endl;
+    return kExitBadInput;
+  }
+}
+
+}  // namespace prism
