@@ -72,7 +72,9 @@ int RunTool(const ToolDescription& description,
     PrintHelp(description);
     return kExitDone;
   }
-  gflags::gflags_exitfunc = [](int status) { std::exit(status == 0 ? kExitDone : kExitBadInput); };
+  GFLAGS_NAMESPACE::gflags_exitfunc = [](int status) {
+    std::exit(status == 0 ? kExitDone : kExitBadInput);
+  };
   FLAGS_logtostderr = true;
   google::InitGoogleLogging(argv[0]);
   gflags::ParseCommandLineFlags(&argc, &argv, true);
