@@ -21,8 +21,10 @@ bool SE3Manifold::PlusJacobian(const double* x, double* jacobian) const {
 }
 
 bool SE3Manifold::Minus(const double* y, const double* x, double* y_minus_x) const {
+  // Normalised, so that the derivative over y has no part along the quaternion itself.
+  const SE3 y_pose(Eigen::Quaterniond(y), Eigen::Vector3d(y + 4));
   Eigen::Map<Vector6d> difference(y_minus_x);
-  difference = (SE3(y) * SE3(x).Inverse()).Log();
+  difference = (y_pose * SE3(x).Inverse()).Log();
   return true;
 }
 
