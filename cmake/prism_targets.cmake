@@ -17,17 +17,18 @@ if(PRISM_SANITIZE)
 endif()
 
 # prism_module(name SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
-# A static library prism::name; a module may include only what it depends on here.
+# A static library prism::name; a module may include only what it depends on here. Its real name is
+# another than prism_name, because a program may be called that (prism_eval, prism_lightfield).
 function(prism_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   if(ARG_SOURCES)
-    add_library(prism_${name} STATIC ${ARG_SOURCES})
-    target_link_libraries(prism_${name} PUBLIC prism_compile_options ${ARG_DEPENDS})
+    add_library(prism_module_${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(prism_module_${name} PUBLIC prism_compile_options ${ARG_DEPENDS})
   else()
-    add_library(prism_${name} INTERFACE)
-    target_link_libraries(prism_${name} INTERFACE prism_compile_options ${ARG_DEPENDS})
+    add_library(prism_module_${name} INTERFACE)
+    target_link_libraries(prism_module_${name} INTERFACE prism_compile_options ${ARG_DEPENDS})
   endif()
-  add_library(prism::${name} ALIAS prism_${name})
+  add_library(prism::${name} ALIAS prism_module_${name})
 endfunction()
 
 # prism_test(name SOURCES a_test.cc ... DEPENDS prism::x ...): a GoogleTest program in ctest.
