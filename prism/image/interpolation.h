@@ -8,10 +8,11 @@ namespace prism {
 
 // Value of the bilinear interpolant at a position and its exact derivative there. The interpolant
 // is not differentiable on pixel rows and columns; the derivative to the right / below is returned.
+// Computed in double: positions keep their precision, and derivatives can be checked to 1e-8.
 struct InterpolatedValue {
-  float value;
-  float dx;
-  float dy;
+  double value;
+  double dx;
+  double dy;
 };
 
 // Precondition: 0 <= x <= width - 1 and 0 <= y <= height - 1 (ImageView::Contains), both sides
@@ -21,15 +22,15 @@ inline InterpolatedValue InterpolateBilinear(const ImageViewF& image, double x, 
   int y0 = static_cast<int>(y);
   if (x0 > image.width - 2) x0 = image.width - 2;
   if (y0 > image.height - 2) y0 = image.height - 2;
-  const float fx = static_cast<float>(x - x0);
-  const float fy = static_cast<float>(y - y0);
+  const double fx = x - x0;
+  const double fy = y - y0;
   const float* p = image.data + y0 * image.stride + x0;
-  const float v00 = p[0];
-  const float v10 = p[1];
-  const float v01 = p[image.stride];
-  const float v11 = p[image.stride + 1];
-  const float top = v00 + fx * (v10 - v00);
-  const float bottom = v01 + fx * (v11 - v01);
+  const double v00 = p[0];
+  const double v10 = p[1];
+  const double v01 = p[image.stride];
+  const double v11 = p[image.stride + 1];
+  const double top = v00 + fx * (v10 - v00);
+  const double bottom = v01 + fx * (v11 - v01);
   return {top + fy * (bottom - top), (v10 - v00) + fy * ((v11 - v01) - (v10 - v00)), bottom - top};
 }
 
