@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/io/rgbd_to_plenoptic.h"
+#include "prism/scene/frame.h"
+
+namespace prism {
+
+// A folder in TUM RGB-D layout: `associations.txt` (time rgb time depth a line) or `rgb.txt` and
+// `depth.txt` (time path a line, matched by time within 20 ms), 16-bit depth PNGs in 1/5000 m with
+// 0 = none, and `calibration.txt` (fx fy cx cy width height). Frames are turned into plenoptic
+// ones.
+//
+// Throws InputError: missing or empty folder or list, times that do not increase, a depth file
+// without its image, and on Read an image that is missing, does not decode or has another size.
+class RgbdSequence {
+ public:
+  // `lens` gives f_L, b_L0 and B of the plenoptic camera to stand in for.
+  RgbdSequence(const std::string& folder,
+               const PlenopticCamera& lens,
+               const RgbdConversionOptions& options);
+
+  int size() const { return static_cast<int>(entries_.size()); }
+  const PlenopticCamera& camera() const { return camera_; }
+  int64_t time_ns(int index) const { return entries_[index].time_ns; }
+
+  // Deterministic in the index and the seed; safe to call from several threads.
+  LightFieldFrame Read(int index) const;
+
+ private:
+  struct Entry {
+    int64_t time_ns;
+    std::string image_path;
+    std::string depth_path;
+  };
+
+  std::string folder_;
+  PlenopticCamera camera_;
+  RgbdConversionOptions options_;
+  std::vector<Entry> entries_;
+};
+
+// True if the folder looks like such a sequence.
+bool IsRgbdSequence(const std::string& folder);
+
+}  // namespace prism
