@@ -61,27 +61,6 @@ void LiftFrameJacobian(const Matrix86d& J_pose,
 
 }  // namespace
 
-bool MakePatch(const ImageViewF& host_image,
-               const Eigen::Vector2d& px,
-               const PhotometricOptions& options,
-               PhotometricPatch* patch) {
-  if (!host_image.Contains(px.x(), px.y(), kPatternRadius + 1)) return false;
-  patch->px = px;
-  const double c2 = options.gradient_constant * options.gradient_constant;
-  for (int k = 0; k < kPatternSize; ++k) {
-    const double x = px.x() + kPattern[k][0];
-    const double y = px.y() + kPattern[k][1];
-    patch->intensity[k] = static_cast<float>(InterpolateBilinear(host_image, x, y).value);
-    const double dx = 0.5 * (InterpolateBilinear(host_image, x + 1, y).value -
-                             InterpolateBilinear(host_image, x - 1, y).value);
-    const double dy = 0.5 * (InterpolateBilinear(host_image, x, y + 1).value -
-                             InterpolateBilinear(host_image, x, y - 1).value);
-    patch->weight[k] =
-        static_cast<float>(std::sqrt(c2 / (c2 + dx * dx + dy * dy)) / options.intensity_sigma);
-  }
-  return true;
-}
-
 PhotometricCost::PhotometricCost(const PhotometricPatch* patch,
                                  const FramePair* pair,
                                  const ImageViewF& target_image,

@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/tracking/frame_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "prism/image/interpolation.h"
+#include "prism/image/patch.h"
+
+namespace prism {
+namespace {
+
+using Vector8d = Eigen::Matrix<double, 8, 1>;
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+
+// Robust cost over all samples of a level at one state; samples outside the image cost nothing and
+// outliers the same wherever they are, so costs are compared per visible sample.
+struct LevelCost {
+  double energy = 0;         // sum of weighted robust squares
+  double squared_error = 0;  // sum of squared residuals of inliers
+  int visible = 0;
+  int inliers = 0;
+  double PerSample() const { return visible > 0 ? energy / visible : INFINITY; }
+};
+
+class LevelProblem {
+ public:
+  LevelProblem(const std::vector<TrackingReference::Sample>& samples,
+               const PlenopticProjection& camera,
+               const ImageViewF& image,
+               const AlignmentOptions& options,
+               double outlier_threshold)
+      : samples_(samples),
+        camera_(camera),
+        image_(image),
+        options_(options),
+        outlier_threshold_(outlier_threshold) {}
+
+  // With H and g (gradient of half the energy) over [pose; a; b] if asked for.
+  LevelCost Evaluate(const AlignmentState& state, Matrix8d* H, Vector8d* g) const {
+    if (H != nullptr) {
+      H->setZero();
+      g->setZero();
+    }
+    LevelCost cost;
+    const Eigen::Matrix3d R = state.target_from_reference.RotationMatrix();
+    const Eigen::Vector3d t = state.target_from_reference.translation();
+    const double gain = std::exp(state.a);
+    const double focal_length_px = camera_.FocalLengthPx();
+    const double huber = options_.huber_threshold;
+    for (const TrackingReference::Sample& sample : samples_) {
+      const Eigen::Vector3d X = R * sample.ray + sample.rho * t;
+      const double D = X.z() - sample.rho * camera_.f;
+      if (!(D > 0)) continue;
+      const double alpha = focal_length_px / D;
+      const double u = alpha * X.x() + camera_.c.x();
+      const double v = alpha * X.y() + camera_.c.y();
+      if (!image_.Contains(u, v, 1)) continue;
+      ++cost.visible;
+      const InterpolatedValue target = InterpolateBilinear(image_, u, v);
+      const double r = target.value - gain * sample.intensity - state.b;
+      const double magnitude = std::abs(r);
+      if (magnitude > outlier_threshold_) {
+        cost.energy += sample.weight * RobustSquare(outlier_threshold_);
+        continue;
+      }
+      ++cost.inliers;
+      cost.squared_error += r * r;
+      cost.energy += sample.weight * RobustSquare(magnitude);
+      if (H == nullptr) continue;
+      const double weight =
+          options_.robust && magnitude > huber ? sample.weight * huber / magnitude : sample.weight;
+      const double gx = target.dx * alpha;
+      const double gy = target.dy * alpha;
+      const double gz = -(gx * X.x() + gy * X.y()) / D;
+      Vector8d J;                                              // Eqs. (29), (47), (52)
+      J << sample.rho * gx, sample.rho * gy, sample.rho * gz,  //
+          X.y() * gz - X.z() * gy, X.z() * gx - X.x() * gz, X.x() * gy - X.y() * gx,
+          -gain * sample.intensity, -1;
+      const Vector8d weighted = weight * J;
+      // Upper triangle only.
+      for (int row = 0; row < 8; ++row) {
+        for (int column = row; column < 8; ++column) (*H)(row, column) += weighted[row] * J[column];
+      }
+      *g += weighted * r;
+    }
+    if (H != nullptr) H->triangularView<Eigen::StrictlyLower>() = H->transpose();
+    return cost;
+  }
+
+ private:
+  double RobustSquare(double magnitude) const {
+    const double huber = options_.huber_threshold;
+    if (!options_.robust || magnitude <= huber) return magnitude * magnitude;
+    return huber * (2 * magnitude - huber);
+  }
+
+  const std::vector<TrackingReference::Sample>& samples_;
+  const PlenopticProjection& camera_;
+  const ImageViewF image_;
+  const AlignmentOptions& options_;
+  const double outlier_threshold_;
+};
+
+AlignmentState Updated(const AlignmentState& state, const Vector8d& step) {
+  AlignmentState updated;
+  updated.target_from_reference = SE3::Exp(step.head<6>()) * state.target_from_reference;
+  updated.a = state.a + step[6];
+  updated.b = state.b + step[7];
+  return updated;
+}
+
+// Levenberg-Marquardt on one level; returns the number of iterations.
+int AlignLevel(const LevelProblem& problem,
+               const AlignmentOptions& options,
+               AlignmentState* state) {
+  Matrix8d H;
+  Vector8d g;
+  LevelCost cost = problem.Evaluate(*state, &H, &g);
+  double lambda = 0.01;
+  int iteration = 0;
+  for (; iteration < options.max_iterations && cost.visible > 0; ++iteration) {
+    Matrix8d damped = H;
+    damped.diagonal() *= 1 + lambda;
+    damped.diagonal().array() += 1e-9;
+    Vector8d rhs = -g;
+    if (!options.affine_brightness) {
+      damped.rightCols<2>().setZero();
+      damped.bottomRows<2>().setZero();
+      damped.bottomRightCorner<2, 2>().setIdentity();
+      rhs.tail<2>().setZero();
+    }
+    const Vector8d step = damped.ldlt().solve(rhs);
+    if (!step.allFinite()) break;
+    const AlignmentState candidate = Updated(*state, step);
+    const LevelCost candidate_cost = problem.Evaluate(candidate, nullptr, nullptr);
+    // A step that throws points out of the image is no improvement.
+    const bool better =
+        candidate_cost.PerSample() < cost.PerSample() && candidate_cost.visible > cost.visible / 2;
+    if (better) {
+      const double gain = 1 - candidate_cost.PerSample() / cost.PerSample();
+      *state = candidate;
+      lambda = std::max(lambda * 0.25, 1e-6);
+      cost = problem.Evaluate(*state, &H, &g);
+      if (gain < 1e-4) break;
+    } else {
+      if (lambda > 1e3) break;
+      lambda = std::max(lambda * 8, 1e-3);
+    }
+  }
+  return iteration;
+}
+
+void MeasureFlow(const TrackingReference& reference, FrameAlignmentResult* result) {
+  const PlenopticProjection& camera = reference.cameras[0];
+  const Eigen::Matrix3d R = result->state.target_from_reference.RotationMatrix();
+  const Eigen::Vector3d t = result->state.target_from_reference.translation();
+  double sum = 0, translation_sum = 0;
+  int count = 0;
+  for (const TrackingReference::Sample& sample : reference.levels[0]) {
+    const auto pixel = [&](const Eigen::Vector3d& X) -> Eigen::Vector2d {
+      return X.head<2>() * (camera.FocalLengthPx() / (X.z() - sample.rho * camera.f));
+    };
+    const Eigen::Vector3d moved = R * sample.ray + sample.rho * t;
+    const Eigen::Vector3d shifted = sample.ray + sample.rho * t;
+    if (moved.z() - sample.rho * camera.f <= 0 || shifted.z() - sample.rho * camera.f <= 0)
+      continue;
+    const Eigen::Vector2d start = pixel(sample.ray);
+    sum += (pixel(moved) - start).squaredNorm();
+    translation_sum += (pixel(shifted) - start).squaredNorm();
+    ++count;
+  }
+  if (count == 0) return;
+  result->squared_flow = sum / count;
+  result->squared_translation_flow = translation_sum / count;
+}
+
+AlignmentStatus Judge(const FrameAlignmentResult& result, const AlignmentOptions& options) {
+  if (!std::isfinite(result.rms) || !result.state.target_from_reference.Log().allFinite()) {
+    return AlignmentStatus::kDiverged;
+  }
+  if (result.visible_fraction < options.min_visible_fraction) return AlignmentStatus::kTooFewPoints;
+  if (result.rms > options.max_rms || result.outlier_fraction > options.max_outlier_fraction ||
+      std::abs(result.state.a) > options.max_log_gain) {
+    return AlignmentStatus::kBadFit;
+  }
+  return AlignmentStatus::kGood;
+}
+
+}  // namespace
+
+bool AlignmentOptions::IsValid(std::string* error) const {
+  if (max_iterations >= 1 && huber_threshold > 0 && outlier_threshold > huber_threshold &&
+      min_visible_fraction > 0 && min_visible_fraction <= 1) {
+    return true;
+  }
+  *error =
+      "alignment needs an iteration or more, a positive Huber threshold below the outlier "
+      "threshold and a visible fraction in (0, 1]";
+  return false;
+}
+
+TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
+                                        const ImagePyramid& image,
+                                        const std::vector<ReferencePoint>& points,
+                                        double gradient_constant) {
+  TrackingReference reference;
+  const double c2 = gradient_constant * gradient_constant;
+  for (size_t level = 0; level < image.size(); ++level) {
+    const PlenopticProjection projection(camera, static_cast<int>(level));
+    std::vector<TrackingReference::Sample> samples;
+    const double scale = std::ldexp(1.0, -static_cast<int>(level));
+    for (const ReferencePoint& point : points) {
+      const Eigen::Vector2d center = (point.px.array() + 0.5) * scale - 0.5;
+      // A pattern this small is taken to have one depth.
+      for (int k = 0; k < kPatternSize; ++k) {
+        const bool is_center = kPattern[k][0] == 0 && kPattern[k][1] == 0;
+        if (level > 0 && !is_center) continue;
+        const Eigen::Vector2d px = center + Eigen::Vector2d(kPattern[k][0], kPattern[k][1]);
+        if (!image[level].view().Contains(px.x(), px.y(), 1)) continue;
+        const InterpolatedValue value = InterpolateBilinear(image[level], px.x(), px.y());
+        const Eigen::Vector2d m = (px - projection.c) * (projection.s / projection.f);
+        const double k_ray = 1 - point.rho * projection.f;
+        const double gradient2 = value.dx * value.dx + value.dy * value.dy;
+        samples.push_back({Eigen::Vector3d(m.x() * k_ray, m.y() * k_ray, 1),
+                           point.rho,
+                           value.value,
+                           c2 / (c2 + gradient2)});
+      }
+    }
+    reference.cameras.push_back(projection);
+    reference.levels.push_back(std::move(samples));
+  }
+  return reference;
+}
+
+FrameAlignmentResult AlignFrame(const TrackingReference& reference,
+                                const ImagePyramid& target,
+                                const AlignmentState& initial,
+                                const AlignmentOptions& options) {
+  FrameAlignmentResult result;
+  result.state = initial;
+  const int num_levels = static_cast<int>(std::min(target.size(), reference.levels.size()));
+  if (num_levels == 0 || reference.empty()) {
+    result.status = AlignmentStatus::kTooFewPoints;
+    return result;
+  }
+  for (int level = num_levels - 1; level >= 0; --level) {
+    const auto problem_with = [&](double outlier_threshold) {
+      return LevelProblem(reference.levels[level],
+                          reference.cameras[level],
+                          target[level],
+                          options,
+                          outlier_threshold);
+    };
+    // Far from the solution most residuals are large: widen the threshold until most count.
+    double outlier_threshold = options.outlier_threshold;
+    for (int doubling = 0; doubling < 4; ++doubling) {
+      const LevelCost cost =
+          problem_with(outlier_threshold).Evaluate(result.state, nullptr, nullptr);
+      if (cost.inliers > 0.6 * cost.visible) break;
+      outlier_threshold *= 2;
+    }
+    result.iterations += AlignLevel(problem_with(outlier_threshold), options, &result.state);
+    if (level > 0) continue;
+    const LevelCost cost =
+        problem_with(options.outlier_threshold).Evaluate(result.state, nullptr, nullptr);
+    result.inliers = cost.inliers;
+    result.visible_fraction = static_cast<double>(cost.visible) / reference.levels[0].size();
+    result.outlier_fraction =
+        cost.visible > 0 ? 1 - static_cast<double>(cost.inliers) / cost.visible : 1;
+    result.rms = cost.inliers > 0 ? std::sqrt(cost.squared_error / cost.inliers) : INFINITY;
+  }
+  result.status = Judge(result, options);
+  if (result.status == AlignmentStatus::kGood) MeasureFlow(reference, &result);
+  return result;
+}
+
+}  // namespace prism

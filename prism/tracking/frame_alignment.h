@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/camera/projection.h"
+#include "prism/geometry/se3.h"
+#include "prism/image/pyramid.h"
+
+namespace prism {
+
+// A point a new frame is aligned to: a pixel of the reference keyframe with its inverse depth.
+struct ReferencePoint {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();  // focused px of level 0, in the reference keyframe
+  double rho = 0;                                // 1/m, there
+  double rho_variance = 0;                       // 1/m^2
+};
+
+// The reference keyframe as the tracker sees it; built once a keyframe by MakeTrackingReference.
+struct TrackingReference {
+  struct Sample {
+    Eigen::Vector3d
+        ray;  // rho x_C = (m (1 - rho f), 1): the point in the reference frame, times rho
+    double rho;
+    double intensity;  // of the reference image, 0 to 255
+    double weight;     // DSO's gradient weight and the point's own, 0 to 1
+  };
+  std::vector<PlenopticProjection> cameras;  // one a level
+  std::vector<std::vector<Sample>> levels;   // level 0 finest
+  bool empty() const { return levels.empty() || levels[0].empty(); }
+};
+
+struct AlignmentOptions {
+  int max_iterations = 30;            // per level
+  double huber_threshold = 9;         // intensity, 0 to 255
+  double outlier_threshold = 30;      // intensity: a residual above it says nothing about the pose
+  bool robust = true;                 // false: no Huber norm (ablation)
+  bool affine_brightness = true;      // false: brightness is held (ablation)
+  double min_visible_fraction = 0.3;  // of the samples that must fall into the new frame
+  double max_log_gain = 1.0;          // |a_new - a_reference| beyond it is no exposure change
+  double max_rms = 20;                // intensity: a worse fit is not a match
+  double max_outlier_fraction = 0.5;
+
+  bool IsValid(std::string* error) const;
+};
+
+enum class AlignmentStatus {
+  kGood,
+  kTooFewPoints,  // the reference or what of it falls into the new frame
+  kDiverged,      // no finite solution
+  kBadFit,        // residuals, outliers or brightness beyond the limits
+};
+
+struct AlignmentState {
+  SE3 target_from_reference;
+  double a = 0;  // relative brightness: I_target = e^a I_reference + b
+  double b = 0;
+};
+
+struct FrameAlignmentResult {
+  AlignmentStatus status = AlignmentStatus::kDiverged;
+  AlignmentState state;
+  double rms = 0;               // intensity, of the inliers on level 0
+  int inliers = 0;              // samples on level 0
+  double visible_fraction = 0;  // of the samples on level 0
+  double outlier_fraction = 0;  // of those visible
+  // Mean squared optical flow of the reference points in px of level 0, by the whole motion and by
+  // its translation alone (as in DSO's keyframe decision).
+  double squared_flow = 0;
+  double squared_translation_flow = 0;
+  int iterations = 0;
+};
+
+// Samples the reference image at the points on every level: the pattern of DSO on level 0, the
+// pixel alone on coarser levels. `image` is the reference keyframe's pyramid.
+TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
+                                        const ImagePyramid& image,
+                                        const std::vector<ReferencePoint>& points,
+                                        double gradient_constant);
+
+// Aligns a frame to the reference over pose and affine brightness, coarse to fine, by
+// Levenberg-Marquardt on the photometric residual Eq. (20) with fixed depths; robust (Huber).
+FrameAlignmentResult AlignFrame(const TrackingReference& reference,
+                                const ImagePyramid& target,
+                                const AlignmentState& initial,
+                                const AlignmentOptions& options);
+
+}  // namespace prism

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/tracking/keyframe_decision.h"
+
+#include <cmath>
+
+namespace prism {
+
+bool KeyframeOptions::IsValid(std::string* error) const {
+  if (max_translation_flow > 0 && max_flow > 0 && max_rotation > 0 && max_log_gain > 0 &&
+      max_rms_ratio > 1) {
+    return true;
+  }
+  *error = "keyframe limits must be positive and the RMS ratio above 1";
+  return false;
+}
+
+bool NeedsKeyframe(const FrameAlignmentResult& alignment,
+                   double first_rms,
+                   int image_width,
+                   int image_height,
+                   const KeyframeOptions& options) {
+  const double size = image_width + image_height;
+  const double sum =
+      std::sqrt(alignment.squared_translation_flow) / (options.max_translation_flow * size) +
+      std::sqrt(alignment.squared_flow) / (options.max_flow * size) +
+      RotationAngle(alignment.state.target_from_reference) / options.max_rotation +
+      std::abs(alignment.state.a) / options.max_log_gain;
+  return sum > 1 || alignment.visible_fraction < options.min_visible_fraction ||
+         (first_rms > 0 && alignment.rms > options.max_rms_ratio * first_rms);
+}
+
+}  // namespace prism

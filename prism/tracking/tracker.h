@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "prism/tracking/frame_alignment.h"
+
+namespace prism {
+
+struct TrackerOptions {
+  AlignmentOptions alignment;
+  // Another prediction is tried while the fit is worse than this times the last good one.
+  double retry_rms_ratio = 1.5;
+  // A frame whose root mean squared gradient is below this shows nothing; 0 to 255 a px.
+  double min_rms_gradient = 0.5;
+  // Rotations tried about each axis when predictions fail, rad.
+  double retry_rotation = 0.03;
+
+  bool IsValid(std::string* error) const;
+};
+
+enum class TrackingStatus { kGood, kNoTexture, kLost };
+
+struct TrackingResult {
+  TrackingStatus status = TrackingStatus::kLost;
+  FrameAlignmentResult alignment;
+  int attempts = 0;
+};
+
+// Tracks frames against the latest keyframe: constant-velocity prediction first, other predictions
+// when the result is bad.
+class Tracker {
+ public:
+  explicit Tracker(const TrackerOptions& options) : options_(options) {}
+
+  // Frames that follow are aligned to this keyframe. `new_from_old_reference` carries the motion
+  // model over (identity for the first keyframe).
+  void SetReference(TrackingReference reference, const SE3& new_from_old_reference);
+
+  TrackingResult Track(const ImagePyramid& target);
+
+  // Forgets the motion (after a loss); the reference stays.
+  void ForgetMotion();
+
+ private:
+  std::vector<AlignmentState> Predictions() const;
+
+  TrackerOptions options_;
+  TrackingReference reference_;
+  // The last two frames, relative to the current reference.
+  std::vector<AlignmentState> history_;
+  double last_rms_ = 0;  // of the last good frame; 0: none yet
+};
+
+}  // namespace prism
