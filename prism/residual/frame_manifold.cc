@@ -10,8 +10,8 @@
 namespace prism {
 
 bool FrameManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  x_plus_delta[7] = x[7] + delta[6];
-  x_plus_delta[8] = x[8] + delta[7];
+  x_plus_delta[7] = x[7] + (hold_affine_ ? 0 : delta[6]);
+  x_plus_delta[8] = x[8] + (hold_affine_ ? 0 : delta[7]);
   return SE3Manifold().Plus(x, delta, x_plus_delta);
 }
 
@@ -19,7 +19,7 @@ bool FrameManifold::PlusJacobian(const double* x, double* jacobian) const {
   Eigen::Map<Eigen::Matrix<double, 9, 8, Eigen::RowMajor>> J(jacobian);
   J.setZero();
   J.topLeftCorner<7, 6>() = prism::PlusJacobian(SE3(x));
-  J.bottomRightCorner<2, 2>().setIdentity();
+  if (!hold_affine_) J.bottomRightCorner<2, 2>().setIdentity();
   return true;
 }
 
