@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "prism/base/stage_timer.h"
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/scene/frame.h"
+#include "prism/scene/trajectory.h"
+#include "prism/tracking/keyframe_decision.h"
+#include "prism/tracking/point_selection.h"
+#include "prism/tracking/tracker.h"
+#include "prism/window/activation.h"
+#include "prism/window/marginalization.h"
+#include "prism/window/optimize.h"
+#include "prism/window/outliers.h"
+#include "prism/window/window.h"
+
+namespace prism {
+
+struct OdometryOptions {
+  PointSelectionOptions selection;
+  TrackerOptions tracker;
+  KeyframeOptions keyframe;
+  WindowOptions window;
+  RefinementOptions refinement;
+  OutlierOptions outliers;
+  RetirementOptions retirement;
+  int max_new_points = 600;         // activated per keyframe
+  int min_point_distance = 4;       // px between active points in the newest keyframe
+  double max_relative_sigma = 0.5;  // sigma of rho over rho at activation
+  int min_start_points = 100;       // with depth, to start a segment
+
+  bool IsValid(std::string* error) const;
+};
+
+enum class FrameStatus { kTracked, kNoTexture, kLost };
+const char* ToString(FrameStatus status);
+
+struct FrameResult {
+  int64_t time_ns = 0;
+  FrameStatus status = FrameStatus::kLost;
+  int segment = 0;
+  bool is_keyframe = false;
+  int keyframe_id = -1;             // its own, or the one it was tracked on
+  FrameState state;                 // cam_from_world at this moment, absolute brightness
+  double rms = 0;                   // of the alignment, intensities
+  int points_used = 0;              // inlier samples of the alignment
+  int active_points = 0;            // in the window
+  OptimizationResult optimization;  // of a keyframe
+};
+
+// A scene point in metres with its intensity (0 to 255).
+struct MapPoint {
+  Eigen::Vector3d p_in_world = Eigen::Vector3d::Zero();
+  float intensity = 0;
+};
+
+// Metric visual odometry from plenoptic frames. The first frame is a keyframe whose points take
+// their depth from the measured virtual depth; world is the camera frame of the first frame.
+class Odometry {
+ public:
+  Odometry(const PlenopticCamera& camera, const OdometryOptions& options);
+
+  FrameResult Process(LightFieldFrame frame);
+
+  // All tracked frames, each carried by the final pose of the keyframe it was tracked on.
+  Trajectory FrameTrajectory() const;
+  Trajectory KeyframeTrajectory() const;
+  // Points that left the window and those in it, by the final poses of their keyframes.
+  std::vector<MapPoint> MapPoints() const;
+
+  const Window& window() const { return window_; }
+  const StageTimer& timer() const { return timer_; }
+
+ private:
+  struct TrackedFrame {
+    int64_t time_ns;
+    int keyframe_id;
+    SE3 cam_from_keyframe;
+  };
+
+  FrameResult StartSegment(std::shared_ptr<const LightFieldFrame> frame);
+  void MakeKeyframe(std::shared_ptr<const LightFieldFrame> frame, FrameResult* result);
+  void ActivatePoints();
+  void RetireKeyframes();
+  void SetTrackingReference(const SE3& new_from_old_reference);
+  void RememberKeyframePoses();
+
+  PlenopticCamera camera_;
+  OdometryOptions options_;
+  StageTimer timer_;
+  Window window_;
+  Tracker tracker_;
+  int next_keyframe_id_ = 0;
+  int segment_ = 0;
+  double first_rms_ = 0;  // of the first frame tracked on the newest keyframe
+  std::vector<TrackedFrame> tracked_frames_;
+  struct KeyframePose {
+    int64_t time_ns = 0;
+    SE3 cam_from_world;
+  };
+  std::map<int, KeyframePose> keyframe_poses_;
+  std::vector<RetiredPoint> retired_points_;
+};
+
+}  // namespace prism

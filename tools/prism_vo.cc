@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+#include <gflags/gflags.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "prism/base/error.h"
+#include "prism/eval/metrics.h"
+#include "prism/eval/metrics_json.h"
+#include "prism/io/atomic_file.h"
+#include "prism/io/ply_file.h"
+#include "prism/io/trajectory_file.h"
+#include "prism/odometry/odometry.h"
+#include "tools/frame_source.h"
+#include "tools/run_record.h"
+#include "tools/tool_main.h"
+
+DEFINE_string(sequence, "", "Folder of the sequence (raw, focused or TUM RGB-D layout).");
+DEFINE_string(camera, "", "Camera file. For RGB-D input: the plenoptic camera to stand in for.");
+DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
+DEFINE_string(white_image, "", "White image of a raw sequence; white.png of the folder if empty.");
+DEFINE_string(format, "", "raw, focused or rgbd; empty: by what the folder holds.");
+DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
+DEFINE_string(
+    groundtruth,
+    "",
+    "Trajectory (TUM) to evaluate against; empty: groundtruth.txt of the sequence, if there.");
+DEFINE_int32(start_frame, 0, "First frame of the sequence to use.");
+DEFINE_int32(max_frames, 0, "Number of frames to use; 0: all.");
+DEFINE_int32(ping_pong, 0, "Passes through the sequence, forwards and backwards in turn; 0: one.");
+DEFINE_int32(threads, 2, "Threads of the optimisation; 1 gives the same result byte for byte.");
+DEFINE_uint64(seed, 0, "Seed of everything random.");
+DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D input; 0: clean.");
+DEFINE_int32(window_keyframes, 7, "Keyframes in the sliding window.");
+DEFINE_int32(active_points, 2000, "Points in the sliding window.");
+DEFINE_int32(iterations, 6, "Iterations of each window optimisation.");
+DEFINE_double(intensity_sigma, 4, "Standard deviation of a photometric residual, 0 to 255.");
+DEFINE_bool(depth_residual,
+            true,
+            "Inverse virtual depth residuals; false is the ablation without.");
+DEFINE_bool(marginalization_prior,
+            true,
+            "Prior from what left the window; false: it is forgotten.");
+DEFINE_bool(first_estimate_jacobians, true, "Frames in the prior keep their linearisation point.");
+DEFINE_bool(affine_brightness, true, "Affine brightness (a, b) of each frame; false: held at 0.");
+DEFINE_bool(robust_loss, true, "Huber norm on all residuals; false: squares.");
+
+namespace prism {
+namespace {
+
+OdometryOptions OptionsFromFlags() {
+  OdometryOptions options;
+  options.window.max_keyframes = FLAGS_window_keyframes;
+  options.window.max_points = FLAGS_active_points;
+  options.window.max_iterations = FLAGS_iterations;
+  options.window.threads = FLAGS_threads;
+  options.window.photometric.intensity_sigma = FLAGS_intensity_sigma;
+  options.window.depth_residual = FLAGS_depth_residual;
+  options.window.marginalization_prior = FLAGS_marginalization_prior;
+  options.window.first_estimate_jacobians = FLAGS_first_estimate_jacobians;
+  options.window.affine_brightness = FLAGS_affine_brightness;
+  options.window.robust_loss = FLAGS_robust_loss;
+  options.tracker.alignment.affine_brightness = FLAGS_affine_brightness;
+  options.tracker.alignment.robust = FLAGS_robust_loss;
+  std::string error;
+  if (!options.IsValid(&error)) throw InputError("command line", error, "valid options");
+  return options;
+}
+
+SequenceOptions SequenceOptionsFromFlags() {
+  RequireFlag("sequence", FLAGS_sequence, "the folder of a sequence");
+  RequireFlag("camera", FLAGS_camera, "a camera file");
+  RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
+  if (!(FLAGS_rgbd_inverse_depth_sigma >= 0 && FLAGS_rgbd_inverse_depth_sigma < 0.1)) {
+    throw InputError(
+        "--rgbd_inverse_depth_sigma", std::to_string(FLAGS_rgbd_inverse_depth_sigma), "0 to 0.1");
+  }
+  SequenceOptions options;
+  options.sequence = FLAGS_sequence;
+  options.camera = FLAGS_camera;
+  options.micro_lens_grid = FLAGS_micro_lens_grid;
+  options.white_image = FLAGS_white_image;
+  options.format = FLAGS_format;
+  options.start_frame = FLAGS_start_frame;
+  options.max_frames = FLAGS_max_frames;
+  options.ping_pong = FLAGS_ping_pong;
+  options.rgbd.inverse_depth_sigma = FLAGS_rgbd_inverse_depth_sigma;
+  options.rgbd.seed = FLAGS_seed;
+  return options;
+}
+
+// The ground truth asked for, the sequence's own, or nothing.
+Trajectory ReadGroundTruth() {
+  std::string path = FLAGS_groundtruth;
+  if (path.empty()) {
+    path = (std::filesystem::path(FLAGS_sequence) / "groundtruth.txt").string();
+    if (!std::filesystem::exists(path)) return {};
+  }
+  return ReadTrajectory(path);
+}
+
+std::string InOutput(const std::string& name) {
+  return (std::filesystem::path(FLAGS_output_dir) / name).string();
+}
+
+void ShowProgress(const RunRecord& record, const FrameResult& frame, int total, double seconds) {
+  static const bool is_terminal = isatty(STDOUT_FILENO) != 0;
+  if (!is_terminal) return;
+  std::printf("\rframe %zu/%d  %.1f fps  %d keyframes  %d points  %-12s",
+              record.frames.size(),
+              total,
+              static_cast<double>(record.frames.size()) / seconds,
+              CountKeyframes(record.frames),
+              frame.active_points,
+              ToString(frame.status));
+  std::fflush(stdout);
+}
+
+std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
+  std::vector<PlyPoint> points;
+  for (const MapPoint& point : map_points) {
+    points.push_back({point.p_in_world.cast<float>(),
+                      static_cast<uint8_t>(std::clamp(point.intensity, 0.0f, 255.0f))});
+  }
+  return points;
+}
+
+void PrintMetrics(const TrajectoryMetrics& metrics) {
+  std::printf("ground truth: %d poses matched, ATE %.4f m (SE3)",
+              metrics.matched_count,
+              metrics.ate_rmse_m);
+  if (metrics.sim3) {
+    std::printf(", %.4f m (Sim3), scale %.4f (error %.2f %%)",
+                metrics.sim3->ate_rmse_m,
+                metrics.sim3->scale,
+                metrics.sim3->scale_error_percent);
+  }
+  std::printf(", path %.3f m\n", metrics.path_length_m);
+}
+
+ExitStatus Run() {
+  const SequenceOptions sequence_options = SequenceOptionsFromFlags();
+  const OdometryOptions odometry_options = OptionsFromFlags();
+  const FrameSource source = OpenSequence(sequence_options);
+  const Trajectory groundtruth = ReadGroundTruth();
+  CreateDirectory(FLAGS_output_dir);
+  cv::setNumThreads(FLAGS_threads);
+
+  RunRecord record;
+  record.options = EffectiveOptions();
+  record.camera_path = FLAGS_camera;
+  record.camera = source.camera;
+  record.sequence_format = source.format;
+  Odometry odometry(source.camera, odometry_options);
+  Prefetcher frames(source);
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  for (int i = 0; i < source.size(); ++i) {
+    record.frames.push_back(odometry.Process(frames.Next()));
+    ShowProgress(record, record.frames.back(), source.size(), seconds());
+  }
+  record.wall_seconds = seconds();
+  record.stages = odometry.timer().Summarize();
+
+  const Trajectory trajectory = odometry.FrameTrajectory();
+  WriteTrajectory(InOutput("trajectory.txt"), trajectory);
+  WriteTrajectory(InOutput("keyframes.txt"), odometry.KeyframeTrajectory());
+  WritePly(InOutput("points.ply"), PlyPoints(odometry.MapPoints()));
+  WriteTextAtomically(InOutput("run.json"), RunToJson(record).dump(1) + "\n");
+  std::printf(
+      "\n%d of %d frames tracked, %d keyframes, %.1f frames a second, %.0f MiB, results in %s\n",
+      CountTracked(record.frames),
+      source.size(),
+      CountKeyframes(record.frames),
+      source.size() / record.wall_seconds,
+      PeakResidentMib(),
+      FLAGS_output_dir.c_str());
+  if (!groundtruth.empty() && FLAGS_ping_pong <= 1) {
+    const TrajectoryMetrics metrics = EvaluateTrajectory(groundtruth, trajectory);
+    WriteTextAtomically(InOutput("metrics.json"), MetricsToJson(metrics).dump(1) + "\n");
+    PrintMetrics(metrics);
+  }
+  return CountTracked(record.frames) > 0 ? kExitDone : kExitRunFailed;
+}
+
+}  // namespace
+}  // namespace prism
+
+int main(int argc, char** argv) {
+  return prism::RunTool(
+      {"prism_vo",
+       "metric visual odometry from plenoptic frames",
+       "--sequence=DIR --camera=FILE --output_dir=DIR [flags]",
+       "prism_vo --sequence=my_sequence --camera=calib/raytrix_r5_16mm.yaml --output_dir=out"},
+      argc,
+      argv,
+      prism::Run);
+}

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/run_record.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include "prism_git_revision.h"
+
+namespace prism {
+namespace {
+
+nlohmann::ordered_json FrameToJson(const FrameResult& frame) {
+  nlohmann::ordered_json json;
+  json["time"] = 1e-9 * static_cast<double>(frame.time_ns);
+  json["status"] = ToString(frame.status);
+  json["segment"] = frame.segment;
+  json["keyframe"] = frame.is_keyframe;
+  if (frame.status != FrameStatus::kTracked) return json;
+  json["residual_rms"] = frame.rms;
+  json["points_used"] = frame.points_used;
+  json["active_points"] = frame.active_points;
+  json["brightness_a"] = frame.state.a();
+  json["brightness_b"] = frame.state.b();
+  if (frame.optimization.iterations > 0) {
+    json["photometric_variance_factor"] = frame.optimization.variance_factors.photometric;
+    json["depth_variance_factor"] = frame.optimization.variance_factors.depth;
+  }
+  return json;
+}
+
+nlohmann::ordered_json CameraToJson(const std::string& path, const PlenopticCamera& camera) {
+  nlohmann::ordered_json json;
+  json["file"] = path;
+  json["focal_length_mm"] = 1e3 * camera.focal_length;
+  json["main_lens_mla_distance_mm"] = 1e3 * camera.main_lens_mla_distance;
+  json["sensor_mla_distance_mm"] = 1e3 * camera.sensor_mla_distance;
+  json["focused_width_px"] = camera.focused_width();
+  json["focused_height_px"] = camera.focused_height();
+  json["focused_pixel_size_mm"] = 1e3 * camera.raw_pixel_size * camera.focused_scale;
+  return json;
+}
+
+// Median over the keyframes of a variance factor.
+double MedianFactor(const std::vector<FrameResult>& frames, double VarianceFactors::*factor) {
+  std::vector<double> values;
+  for (const FrameResult& frame : frames) {
+    if (frame.optimization.iterations > 0) {
+      values.push_back(frame.optimization.variance_factors.*factor);
+    }
+  }
+  return Quantile(values, 0.5);
+}
+
+}  // namespace
+
+int CountTracked(const std::vector<FrameResult>& frames) {
+  return static_cast<int>(std::count_if(frames.begin(), frames.end(), [](const FrameResult& frame) {
+    return frame.status == FrameStatus::kTracked;
+  }));
+}
+
+int CountKeyframes(const std::vector<FrameResult>& frames) {
+  return static_cast<int>(std::count_if(
+      frames.begin(), frames.end(), [](const FrameResult& frame) { return frame.is_keyframe; }));
+}
+
+double PeakResidentMib() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+nlohmann::ordered_json RunToJson(const RunRecord& record) {
+  nlohmann::ordered_json json;
+  const int tracked = CountTracked(record.frames);
+  json["status"] = tracked == static_cast<int>(record.frames.size()) ? "all tracked"
+                   : tracked > 0                                     ? "partly tracked"
+                                                                     : "lost";
+  json["git_hash"] = PRISM_GIT_REVISION;
+  json["options"] = record.options;
+  json["camera"] = CameraToJson(record.camera_path, record.camera);
+  json["format"] = record.sequence_format;
+  json["frame_count"] = record.frames.size();
+  json["tracked_count"] = tracked;
+  json["keyframe_count"] = CountKeyframes(record.frames);
+  json["wall_seconds"] = record.wall_seconds;
+  json["frames_per_second"] = static_cast<double>(record.frames.size()) / record.wall_seconds;
+  json["peak_resident_mib"] = PeakResidentMib();
+  json["photometric_variance_factor"] = MedianFactor(record.frames, &VarianceFactors::photometric);
+  json["depth_variance_factor"] = MedianFactor(record.frames, &VarianceFactors::depth);
+  for (const auto& [stage, summary] : record.stages) {
+    json["stages"][stage] = {{"count", summary.count},
+                             {"median_ms", summary.median_ms},
+                             {"p95_ms", summary.p95_ms},
+                             {"total_ms", summary.total_ms}};
+  }
+  json["frames"] = nlohmann::ordered_json::array();
+  for (const FrameResult& frame : record.frames) json["frames"].push_back(FrameToJson(frame));
+  return json;
+}
+
+}  // namespace prism
