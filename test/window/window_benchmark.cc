@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <benchmark/benchmark.h>
+
+#include "prism/window/optimize.h"
+#include "test/window/synthetic_window.h"
+
+namespace prism {
+namespace {
+
+// One optimisation of 7 keyframes, 2000 points, 6 iterations; the argument is the thread count.
+void BM_OptimizeWindow(benchmark::State& state) {
+  Window window = MakeSyntheticWindow({});
+  WindowOptions options;
+  options.threads = static_cast<int>(state.range(0));
+  options.max_iterations = 6;
+  OptimizationResult result;
+  for (auto _ : state) {
+    state.PauseTiming();
+    PerturbWindow(0.002, 0.001, 0.03, &window);
+    state.ResumeTiming();
+    result = OptimizeWindow(options, &window);
+  }
+  state.counters["iterations"] = result.iterations;
+  state.counters["patterns"] = result.photometric_residuals;
+}
+BENCHMARK(BM_OptimizeWindow)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace prism
+
+BENCHMARK_MAIN();
