@@ -12,11 +12,11 @@ namespace prism {
 
 bool OdometryOptions::IsValid(std::string* error) const {
   if (!selection.IsValid(error) || !tracker.IsValid(error) || !keyframe.IsValid(error) ||
-      !window.IsValid(error)) {
+      !window.IsValid(error) || !candidates.IsValid(error)) {
     return false;
   }
   if (max_new_points >= 1 && min_point_distance >= 1 && max_relative_sigma > 0 &&
-      min_start_points >= 10) {
+      min_start_points >= 10 && max_lost_frames >= 1) {
     return true;
   }
   *error = "activation needs a point or more, a distance of 1 px or more and 10 points to start";
@@ -50,51 +50,87 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
         frame->image.at(0).height() == window_.camera.height);
   if (window_.empty()) return StartSegment(frame);
 
+  TrackingResult tracking;
+  const Keyframe* reference = Track(*frame, &tracking);
+  if (reference == nullptr) return HandleLoss(frame, tracking.status);
+
+  const FrameAlignmentResult& alignment = tracking.alignment;
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
-  TrackingResult tracking;
-  {
-    const StageTimer::Scope scope(&timer_, "track");
-    tracking = tracker_.Track(frame->image);
-  }
-  const FrameAlignmentResult& alignment = tracking.alignment;
-  if (tracking.status != TrackingStatus::kGood) {
-    result.status = tracking.status == TrackingStatus::kNoTexture ? FrameStatus::kNoTexture
-                                                                  : FrameStatus::kLost;
-    return result;
-  }
-  const Keyframe& reference = window_.newest();
   result.status = FrameStatus::kTracked;
   result.rms = alignment.rms;
   result.points_used = alignment.inliers;
-  result.keyframe_id = reference.id;
+  result.keyframe_id = reference->id;
   // I_new = e^a I_ref + b and I_ref = e^(a_ref) L + b_ref.
-  result.state = FrameState(alignment.state.target_from_reference * reference.state.pose(),
-                            reference.state.a() + alignment.state.a,
-                            std::exp(alignment.state.a) * reference.state.b() + alignment.state.b);
-  if (NeedsKeyframe(alignment,
-                    first_rms_,
-                    camera_.focused_width(),
-                    camera_.focused_height(),
-                    options_.keyframe)) {
+  result.state = FrameState(alignment.state.target_from_reference * reference->state.pose(),
+                            reference->state.a() + alignment.state.a,
+                            std::exp(alignment.state.a) * reference->state.b() + alignment.state.b);
+  {
+    const StageTimer::Scope scope(&timer_, "update candidates");
+    UpdateCandidates(options_.candidates, frame->image[0], result.state, &window_);
+  }
+  const bool is_recovered = reference != &window_.newest();
+  if (is_recovered || NeedsKeyframe(alignment,
+                                    first_rms_,
+                                    camera_.focused_width(),
+                                    camera_.focused_height(),
+                                    options_.keyframe)) {
     MakeKeyframe(frame, &result);
   } else {
     if (first_rms_ == 0) first_rms_ = alignment.rms;
     tracked_frames_.push_back(
-        {frame->time_ns, reference.id, alignment.state.target_from_reference});
+        {frame->time_ns, reference->id, alignment.state.target_from_reference});
   }
+  lost_frames_ = 0;
+  last_pose_ = result.state.pose();
   result.active_points = window_.NumPoints();
   return result;
 }
 
-FrameResult Odometry::StartSegment(std::shared_ptr<const LightFieldFrame> frame) {
+const Keyframe* Odometry::Track(const LightFieldFrame& frame, TrackingResult* tracking) {
+  const StageTimer::Scope scope(&timer_, "track");
+  *tracking = tracker_.Track(frame.image);
+  if (tracking->status == TrackingStatus::kGood) return &window_.newest();
+  if (tracking->status == TrackingStatus::kNoTexture || lost_frames_ == 0) return nullptr;
+  for (size_t i = window_.keyframes.size() - 1; i-- > 0;) {
+    Tracker recovery(options_.tracker);
+    recovery.SetReference(MakeReference(*window_.keyframes[i]), SE3());
+    *tracking = recovery.Track(frame.image);
+    if (tracking->status == TrackingStatus::kGood) return window_.keyframes[i].get();
+  }
+  return nullptr;
+}
+
+FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
+  ++lost_frames_;
+  tracker_.ForgetMotion();
+  if (lost_frames_ > options_.max_lost_frames && status != TrackingStatus::kNoTexture) {
+    // Everything the window holds goes to the map; the new segment knows nothing of it.
+    while (!window_.empty()) {
+      RetirementResult retirement = ForgetOldestKeyframe(&window_);
+      retired_points_.insert(
+          retired_points_.end(), retirement.points.begin(), retirement.points.end());
+    }
+    ++segment_;
+    return StartSegment(std::move(frame));
+  }
+  FrameResult result;
+  result.time_ns = frame->time_ns;
+  result.segment = segment_;
+  result.status =
+      status == TrackingStatus::kNoTexture ? FrameStatus::kNoTexture : FrameStatus::kLost;
+  return result;
+}
+
+FrameResult Odometry::StartSegment(FramePtr frame) {
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
   auto keyframe = std::make_unique<Keyframe>();
   keyframe->id = next_keyframe_id_;
-  keyframe->frame = frame;
+  keyframe->frame = std::move(frame);
+  keyframe->state = FrameState(last_pose_, 0, 0);
   window_.keyframes.push_back(std::move(keyframe));
   ActivatePoints();
   if (window_.NumPoints() < options_.min_start_points) {
@@ -103,18 +139,22 @@ FrameResult Odometry::StartSegment(std::shared_ptr<const LightFieldFrame> frame)
     return result;
   }
   ++next_keyframe_id_;
+  lost_frames_ = 0;
   AnchorFirstKeyframe(&window_);
   RememberKeyframePoses();
-  tracked_frames_.push_back({frame->time_ns, window_.newest().id, SE3()});
-  SetTrackingReference(SE3());
+  tracked_frames_.push_back({window_.newest().frame->time_ns, window_.newest().id, SE3()});
+  tracker_.ForgetMotion();
+  tracker_.SetReference(MakeReference(window_.newest()), SE3());
+  first_rms_ = 0;
   result.status = FrameStatus::kTracked;
   result.is_keyframe = true;
   result.keyframe_id = window_.newest().id;
+  result.state = window_.newest().state;
   result.active_points = window_.NumPoints();
   return result;
 }
 
-void Odometry::MakeKeyframe(std::shared_ptr<const LightFieldFrame> frame, FrameResult* result) {
+void Odometry::MakeKeyframe(FramePtr frame, FrameResult* result) {
   const SE3 old_reference = window_.newest().state.pose();
   auto keyframe = std::make_unique<Keyframe>();
   keyframe->id = next_keyframe_id_++;
@@ -136,7 +176,9 @@ void Odometry::MakeKeyframe(std::shared_ptr<const LightFieldFrame> frame, FrameR
   RememberKeyframePoses();
   {
     const StageTimer::Scope scope(&timer_, "set reference");
-    SetTrackingReference(window_.newest().state.pose() * old_reference.Inverse());
+    tracker_.SetReference(MakeReference(window_.newest()),
+                          window_.newest().state.pose() * old_reference.Inverse());
+    first_rms_ = 0;
   }
   {
     const StageTimer::Scope scope(&timer_, "marginalize");
@@ -149,34 +191,49 @@ void Odometry::MakeKeyframe(std::shared_ptr<const LightFieldFrame> frame, FrameR
 }
 
 void Odometry::ActivatePoints() {
-  const Keyframe& newest = window_.newest();
   const size_t newest_index = window_.keyframes.size() - 1;
+  Keyframe& newest = window_.newest();
   const LightFieldFrame& frame = *newest.frame;
   CoverageMap coverage(window_);
-  const int room = options_.window.max_points - window_.NumPoints();
-  const bool is_first = window_.keyframes.size() == 1;
-  const int wanted = is_first ? room : std::min(room, options_.max_new_points);
-  const auto is_usable = [&](int x, int y) {
-    return frame.sigma(x, y) > 0 && coverage.IsFree(x, y, options_.min_point_distance);
+  int room = options_.window.max_points - window_.NumPoints();
+  if (newest_index > 0) {
+    room = std::min(room, options_.max_new_points);
+    room -= ActivateCandidates(options_.window,
+                               options_.candidates,
+                               options_.refinement,
+                               options_.min_point_distance,
+                               room,
+                               &coverage,
+                               &window_);
+  }
+  const auto is_free = [&](int x, int y) {
+    return coverage.IsFree(x, y, options_.min_point_distance);
   };
   const std::vector<Eigen::Vector2i> pixels =
-      SelectPoints(SquaredGradientMagnitude(frame.image[0]), wanted, is_usable, options_.selection);
+      SelectPoints(SquaredGradientMagnitude(frame.image[0]), room, is_free, options_.selection);
   for (const Eigen::Vector2i& px : pixels) {
-    auto point = std::make_unique<Point>();
-    if (!MakePatch(frame.image[0], px.cast<double>(), options_.window.photometric, &point->patch)) {
+    Candidate candidate;
+    if (!MakeCandidate(window_, options_.window, options_.candidates, newest, px, &candidate)) {
       continue;
     }
-    point->w_measured = frame.inverse_virtual_depth(px.x(), px.y());
-    point->w_sigma = frame.sigma(px.x(), px.y());
-    point->rho = std::max(InverseDepth(window_.camera, point->w_measured), 1e-3);
-    const DepthRefinement refinement =
-        RefineInverseDepth(window_, options_.window, newest_index, *point, options_.refinement);
-    if (!refinement.success ||
-        std::sqrt(refinement.rho_variance) > options_.max_relative_sigma * refinement.rho) {
-      continue;
+    if (candidate.w_sigma > 0) {
+      auto point = std::make_unique<Point>();
+      point->patch = candidate.patch;
+      point->rho = candidate.rho;
+      point->w_measured = candidate.w_measured;
+      point->w_sigma = candidate.w_sigma;
+      const DepthRefinement refined =
+          RefineInverseDepth(window_, options_.window, newest_index, *point, options_.refinement);
+      if (refined.success &&
+          std::sqrt(refined.rho_variance) <= options_.max_relative_sigma * refined.rho) {
+        point->rho = refined.rho;
+        newest.points.push_back(std::move(point));
+        continue;
+      }
     }
-    point->rho = refinement.rho;
-    window_.newest().points.push_back(std::move(point));
+    if (static_cast<int>(newest.candidates.size()) < options_.candidates.max_per_keyframe) {
+      newest.candidates.push_back(candidate);
+    }
   }
 }
 
@@ -188,31 +245,25 @@ void Odometry::RetireKeyframes() {
   }
 }
 
-void Odometry::SetTrackingReference(const SE3& new_from_old_reference) {
-  const Keyframe& newest = window_.newest();
+TrackingReference Odometry::MakeReference(const Keyframe& reference) const {
   std::vector<ReferencePoint> points;
   for (const auto& host : window_.keyframes) {
-    const SE3 newest_from_host = newest.state.pose() * host->state.pose().Inverse();
+    const SE3 reference_from_host = reference.state.pose() * host->state.pose().Inverse();
     for (const auto& point : host->points) {
-      if (host->id == newest.id) {
-        points.push_back({point->patch.px, point->rho, 0});
+      if (host->id == reference.id) {
+        points.push_back({point->patch.px, point->rho});
         continue;
       }
       Eigen::Vector3d x_V;
-      if (!IsObserved(window_, *host, *point, newest) ||
-          !ProjectBetweenFrames(
-              window_.camera, point->patch.px, point->rho, newest_from_host, &x_V)) {
-        continue;
+      if (IsObserved(window_, *host, *point, reference) &&
+          ProjectBetweenFrames(
+              window_.camera, point->patch.px, point->rho, reference_from_host, &x_V)) {
+        points.push_back({x_V.head<2>(), InverseDepth(window_.camera, 1 / x_V.z())});
       }
-      const double w = 1 / x_V.z();
-      points.push_back({x_V.head<2>(), InverseDepth(window_.camera, w), 0});
     }
   }
-  tracker_.SetReference(
-      MakeTrackingReference(
-          camera_, newest.frame->image, points, options_.window.photometric.gradient_constant),
-      new_from_old_reference);
-  first_rms_ = 0;
+  return MakeTrackingReference(
+      camera_, reference.frame->image, points, options_.window.photometric.gradient_constant);
 }
 
 void Odometry::RememberKeyframePoses() {

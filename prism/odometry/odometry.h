@@ -15,6 +15,7 @@
 #include "prism/tracking/point_selection.h"
 #include "prism/tracking/tracker.h"
 #include "prism/window/activation.h"
+#include "prism/window/candidates.h"
 #include "prism/window/marginalization.h"
 #include "prism/window/optimize.h"
 #include "prism/window/outliers.h"
@@ -28,12 +29,14 @@ struct OdometryOptions {
   KeyframeOptions keyframe;
   WindowOptions window;
   RefinementOptions refinement;
+  CandidateOptions candidates;
   OutlierOptions outliers;
   RetirementOptions retirement;
   int max_new_points = 600;         // activated per keyframe
   int min_point_distance = 4;       // px between active points in the newest keyframe
   double max_relative_sigma = 0.5;  // sigma of rho over rho at activation
   int min_start_points = 100;       // with depth, to start a segment
+  int max_lost_frames = 5;          // in a row, then a new segment is started
 
   bool IsValid(std::string* error) const;
 };
@@ -62,6 +65,10 @@ struct MapPoint {
 
 // Metric visual odometry from plenoptic frames. The first frame is a keyframe whose points take
 // their depth from the measured virtual depth; world is the camera frame of the first frame.
+//
+// A frame that cannot be tracked has a status and no pose. The frames after it are tried against
+// the keyframes of the window; after `max_lost_frames` in a row a new segment starts at the next
+// frame with texture and depth, metric like the first, placed at the last known pose.
 class Odometry {
  public:
   Odometry(const PlenopticCamera& camera, const OdometryOptions& options);
@@ -84,11 +91,17 @@ class Odometry {
     SE3 cam_from_keyframe;
   };
 
-  FrameResult StartSegment(std::shared_ptr<const LightFieldFrame> frame);
-  void MakeKeyframe(std::shared_ptr<const LightFieldFrame> frame, FrameResult* result);
+  using FramePtr = std::shared_ptr<const LightFieldFrame>;
+
+  // Tracks against the newest keyframe, after a loss against all; the keyframe that worked, or
+  // null.
+  const Keyframe* Track(const LightFieldFrame& frame, TrackingResult* tracking);
+  FrameResult StartSegment(FramePtr frame);
+  FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
+  void MakeKeyframe(FramePtr frame, FrameResult* result);
   void ActivatePoints();
   void RetireKeyframes();
-  void SetTrackingReference(const SE3& new_from_old_reference);
+  TrackingReference MakeReference(const Keyframe& reference) const;
   void RememberKeyframePoses();
 
   PlenopticCamera camera_;
@@ -98,6 +111,8 @@ class Odometry {
   Tracker tracker_;
   int next_keyframe_id_ = 0;
   int segment_ = 0;
+  int lost_frames_ = 0;   // in a row
+  SE3 last_pose_;         // cam_from_world of the last tracked frame
   double first_rms_ = 0;  // of the first frame tracked on the newest keyframe
   std::vector<TrackedFrame> tracked_frames_;
   struct KeyframePose {

@@ -24,6 +24,18 @@ struct Point {
   std::vector<int> outlier_targets;
 };
 
+// A pixel that may become a point: its depth is a Gaussian over inverse depth, from the measured
+// virtual depth or wide open, and narrowed down by matches in the frames that follow.
+struct Candidate {
+  PhotometricPatch patch;
+  double rho = 0;           // 1/m
+  double rho_variance = 0;  // 1/m^2
+  double w_measured = 0;    // as in Point
+  double w_sigma = 0;
+  int matches = 0;   // frames it was found in
+  int failures = 0;  // frames in a row it should have been found in and was not
+};
+
 // A frame of the sliding window. Nodes do not move while the window holds them: Ceres keeps
 // pointers to `state` and to each point's `rho`.
 struct Keyframe {
@@ -33,6 +45,7 @@ struct Keyframe {
   // Set once the frame shares the marginalisation prior: where its Jacobians are evaluated.
   std::optional<FrameState> first_estimate;
   std::vector<std::unique_ptr<Point>> points;
+  std::vector<Candidate> candidates;
 };
 
 }  // namespace prism

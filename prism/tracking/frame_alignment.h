@@ -18,7 +18,6 @@ namespace prism {
 struct ReferencePoint {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();  // focused px of level 0, in the reference keyframe
   double rho = 0;                                // 1/m, there
-  double rho_variance = 0;                       // 1/m^2
 };
 
 // The reference keyframe as the tracker sees it; built once a keyframe by MakeTrackingReference.

@@ -265,4 +265,18 @@ RetirementResult RetireKeyframe(const WindowOptions& options, int keyframe_id, W
   return result;
 }
 
+RetirementResult ForgetOldestKeyframe(Window* window) {
+  CHECK(!window->empty());
+  RetirementResult result;
+  const Keyframe& oldest = *window->keyframes.front();
+  for (const auto& point : oldest.points) {
+    result.points.push_back(MakeRetiredPoint(*window, oldest, *point));
+  }
+  result.dropped_points = static_cast<int>(result.points.size());
+  window->keyframes.pop_front();
+  window->prior = {};
+  window->prior_keyframe_ids.clear();
+  return result;
+}
+
 }  // namespace prism

@@ -41,4 +41,8 @@ struct RetirementResult {
 // frames that share it get their first estimate. Without `marginalization_prior` all is dropped.
 RetirementResult RetireKeyframe(const WindowOptions& options, int keyframe_id, Window* window);
 
+// Takes the oldest keyframe out without a trace in the prior, for a window that is given up: the
+// prior is dropped with it.
+RetirementResult ForgetOldestKeyframe(Window* window);
+
 }  // namespace prism
