@@ -41,25 +41,36 @@ cv::Mat FillInverseDepth(const cv::Mat& inverse_depth) {
   return filled;
 }
 
-// Position in the pinhole image that a focused pixel shows: Eq. (88) holds with the depth found
-// there, solved by fixed-point iteration (the magnification changes by some per cent only).
-cv::Point2f PinholePosition(const PlenopticProjection& camera,
-                            const cv::Mat& filled,
-                            int x,
-                            int y) {
-  const double dx = x - camera.c.x();
-  const double dy = y - camera.c.y();
-  const double full_scale = (2 * camera.B + camera.b_L0) / camera.f;
-  double px = x, py = y;
-  for (int iteration = 0; iteration < 4; ++iteration) {
-    const int column = std::clamp(static_cast<int>(std::lround(px)), 0, filled.cols - 1);
-    const int row = std::clamp(static_cast<int>(std::lround(py)), 0, filled.rows - 1);
-    const double scale = full_scale * (1 - filled.at<float>(row, column) * camera.f);
-    px = camera.c.x() + scale * dx;
-    py = camera.c.y() + scale * dy;
+// Positions in the pinhole image that focused pixels show: Eq. (88) holds with the depth found
+// there, solved by fixed-point iteration (the magnification changes by some per cent only, so that
+// three steps reach rounding on a smooth surface). Float arithmetic: this runs for every pixel.
+class PinholePositions {
+ public:
+  PinholePositions(const PlenopticProjection& camera, const cv::Mat& filled)
+      : filled_(filled),
+        cx_(static_cast<float>(camera.c.x())),
+        cy_(static_cast<float>(camera.c.y())),
+        full_scale_(static_cast<float>((2 * camera.B + camera.b_L0) / camera.f)),
+        f_(static_cast<float>(camera.f)) {}
+
+  cv::Point2f At(int x, int y) const {
+    const float dx = static_cast<float>(x) - cx_;
+    const float dy = static_cast<float>(y) - cy_;
+    int column = x, row = y;
+    cv::Point2f position;
+    for (int iteration = 0; iteration < 3; ++iteration) {
+      const float scale = full_scale_ * (1 - filled_.ptr<float>(row)[column] * f_);
+      position = {cx_ + scale * dx, cy_ + scale * dy};
+      column = std::clamp(static_cast<int>(position.x + 0.5f), 0, filled_.cols - 1);
+      row = std::clamp(static_cast<int>(position.y + 0.5f), 0, filled_.rows - 1);
+    }
+    return position;
   }
-  return {static_cast<float>(px), static_cast<float>(py)};
-}
+
+ private:
+  const cv::Mat& filled_;
+  float cx_, cy_, full_scale_, f_;
+};
 
 // Inverse depth measured at a position: interpolated on a smooth surface, the nearest pixel's at an
 // edge or beside a hole, 0 where that has none.
@@ -115,10 +126,11 @@ LightFieldFrame PlenopticFrameFromRgbd(const PlenopticCamera& camera,
       static_cast<float>(std::max(options.inverse_depth_sigma, options.min_stated_sigma));
   std::mt19937_64 generator = SeededGenerator(options.seed, stream);
   std::normal_distribution<float> noise(0.0f, 1.0f);
+  const PinholePositions pinhole_positions(projection, filled);
   cv::Mat positions(gray.size(), CV_32FC2);
   for (int y = 0; y < gray.rows; ++y) {
     for (int x = 0; x < gray.cols; ++x) {
-      const cv::Point2f position = PinholePosition(projection, filled, x, y);
+      const cv::Point2f position = pinhole_positions.At(x, y);
       positions.at<cv::Point2f>(y, x) = position;
       const float rho = MeasuredInverseDepth(inverse_depth, position, options.edge_ratio);
       if (rho == 0) continue;

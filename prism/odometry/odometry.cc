@@ -15,8 +15,8 @@ bool OdometryOptions::IsValid(std::string* error) const {
       !window.IsValid(error) || !candidates.IsValid(error)) {
     return false;
   }
-  if (max_new_points >= 1 && min_point_distance >= 1 && max_relative_sigma > 0 &&
-      min_start_points >= 10 && max_lost_frames >= 1) {
+  if (max_new_points >= 1 && min_point_distance >= 1 && min_start_points >= 10 &&
+      max_lost_frames >= 1) {
     return true;
   }
   *error = "activation needs a point or more, a distance of 1 px or more and 10 points to start";
@@ -206,32 +206,24 @@ void Odometry::ActivatePoints() {
                                &coverage,
                                &window_);
   }
-  const auto is_free = [&](int x, int y) {
-    return coverage.IsFree(x, y, options_.min_point_distance);
+  const ImageF squared_gradient = SquaredGradientMagnitude(frame.image[0]);
+  const auto select = [&](int count, bool with_depth) {
+    const auto is_usable = [&](int x, int y) {
+      return (frame.sigma(x, y) > 0) == with_depth &&
+             coverage.IsFree(x, y, options_.min_point_distance);
+    };
+    return SelectPoints(squared_gradient, count, is_usable, options_.selection);
   };
-  const std::vector<Eigen::Vector2i> pixels =
-      SelectPoints(SquaredGradientMagnitude(frame.image[0]), room, is_free, options_.selection);
-  for (const Eigen::Vector2i& px : pixels) {
-    Candidate candidate;
-    if (!MakeCandidate(window_, options_.window, options_.candidates, newest, px, &candidate)) {
-      continue;
+  Candidate candidate;
+  for (const Eigen::Vector2i& px : select(room, /*with_depth=*/true)) {
+    if (MakeCandidate(window_, options_.window, options_.candidates, newest, px, &candidate)) {
+      ActivateCandidate(options_.window, options_.refinement, newest_index, candidate, &window_);
     }
-    if (candidate.w_sigma > 0) {
-      auto point = std::make_unique<Point>();
-      point->patch = candidate.patch;
-      point->rho = candidate.rho;
-      point->w_measured = candidate.w_measured;
-      point->w_sigma = candidate.w_sigma;
-      const DepthRefinement refined =
-          RefineInverseDepth(window_, options_.window, newest_index, *point, options_.refinement);
-      if (refined.success &&
-          std::sqrt(refined.rho_variance) <= options_.max_relative_sigma * refined.rho) {
-        point->rho = refined.rho;
-        newest.points.push_back(std::move(point));
-        continue;
-      }
-    }
-    if (static_cast<int>(newest.candidates.size()) < options_.candidates.max_per_keyframe) {
+  }
+  // Where nothing was measured, motion alone has to tell.
+  for (const Eigen::Vector2i& px :
+       select(options_.candidates.max_per_keyframe, /*with_depth=*/false)) {
+    if (MakeCandidate(window_, options_.window, options_.candidates, newest, px, &candidate)) {
       newest.candidates.push_back(candidate);
     }
   }

@@ -32,11 +32,10 @@ struct OdometryOptions {
   CandidateOptions candidates;
   OutlierOptions outliers;
   RetirementOptions retirement;
-  int max_new_points = 600;         // activated per keyframe
-  int min_point_distance = 4;       // px between active points in the newest keyframe
-  double max_relative_sigma = 0.5;  // sigma of rho over rho at activation
-  int min_start_points = 100;       // with depth, to start a segment
-  int max_lost_frames = 5;          // in a row, then a new segment is started
+  int max_new_points = 600;    // activated per keyframe
+  int min_point_distance = 4;  // px between active points in the newest keyframe
+  int min_start_points = 100;  // with depth, to start a segment
+  int max_lost_frames = 5;     // in a row, then a new segment is started
 
   bool IsValid(std::string* error) const;
 };

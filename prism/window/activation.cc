@@ -93,7 +93,8 @@ DepthRefinement RefineInverseDepth(const Window& window,
   if (system.observations > 0) {
     result.rms = std::sqrt(system.squared_photometric / (kPatternSize * system.observations));
   }
-  result.success = result.rms <= options.max_rms;
+  result.success = result.rms <= options.max_rms &&
+                   std::sqrt(result.rho_variance) <= options.max_relative_sigma * result.rho;
   return result;
 }
 

@@ -17,13 +17,15 @@ struct DepthRefinement {
 
 struct RefinementOptions {
   int max_iterations = 5;
-  double max_rms = 3;  // standard deviations: a worse fit is no match
+  double max_rms = 3;               // standard deviations: a worse fit is no match
+  double max_relative_sigma = 0.5;  // of rho: a less certain depth is no success
 };
 
 // Gauss-Newton on the inverse depth of one point hosted by `window.keyframes[host_index]`:
 // photometric residuals to all other keyframes in which it is seen, and its measured inverse
-// virtual depth if it has one. Fails if nothing observes the point or the residuals stay large; a
-// point that has a measurement but is seen nowhere else succeeds with the measurement.
+// virtual depth if it has one. Fails if nothing observes the point, the residuals stay large or the
+// depth uncertain; a point that has a measurement but is seen nowhere else succeeds with the
+// measurement.
 DepthRefinement RefineInverseDepth(const Window& window,
                                    const WindowOptions& window_options,
                                    size_t host_index,

@@ -106,6 +106,24 @@ void UpdateCandidates(const CandidateOptions& options,
   }
 }
 
+bool ActivateCandidate(const WindowOptions& window_options,
+                       const RefinementOptions& refinement,
+                       size_t host_index,
+                       const Candidate& candidate,
+                       Window* window) {
+  auto point = std::make_unique<Point>();
+  point->patch = candidate.patch;
+  point->rho = candidate.rho;
+  point->w_measured = candidate.w_measured;
+  point->w_sigma = candidate.w_sigma;
+  const DepthRefinement refined =
+      RefineInverseDepth(*window, window_options, host_index, *point, refinement);
+  if (!refined.success) return false;
+  point->rho = refined.rho;
+  window->keyframes[host_index]->points.push_back(std::move(point));
+  return true;
+}
+
 int ActivateCandidates(const WindowOptions& window_options,
                        const CandidateOptions& options,
                        const RefinementOptions& refinement,
@@ -130,16 +148,7 @@ int ActivateCandidates(const WindowOptions& window_options,
               static_cast<int>(x_V.x()), static_cast<int>(x_V.y()), min_point_distance)) {
         return true;
       }
-      auto point = std::make_unique<Point>();
-      point->patch = candidate.patch;
-      point->rho = candidate.rho;
-      point->w_measured = candidate.w_measured;
-      point->w_sigma = candidate.w_sigma;
-      const DepthRefinement refined =
-          RefineInverseDepth(*window, window_options, i, *point, refinement);
-      if (!refined.success || refined.observations == 0) return false;
-      point->rho = refined.rho;
-      host.points.push_back(std::move(point));
+      if (!ActivateCandidate(window_options, refinement, i, candidate, window)) return false;
       coverage->Add(x_V.head<2>());
       ++activated;
       return false;

@@ -39,8 +39,16 @@ void UpdateCandidates(const CandidateOptions& options,
                       const FrameState& state,
                       Window* window);
 
+// Turns a candidate of `window->keyframes[host_index]` into a point of it, with the depth
+// RefineInverseDepth finds; false if that fails.
+bool ActivateCandidate(const WindowOptions& window_options,
+                       const RefinementOptions& refinement,
+                       size_t host_index,
+                       const Candidate& candidate,
+                       Window* window);
+
 // Certain candidates that fill a gap in `coverage` become points of their keyframes, at most
-// `max_points` of them. Returns their number. Candidates that are refused by RefineInverseDepth are
+// `max_points` of them. Returns their number. Candidates that ActivateCandidate refuses are
 // dropped.
 int ActivateCandidates(const WindowOptions& window_options,
                        const CandidateOptions& options,
