@@ -54,36 +54,37 @@ class RegionThresholds {
   ImageF squared_;
 };
 
-// The strongest usable pixel above `factor` times the threshold in each cell that `is_free`.
-template <typename IsFree>
-void SelectInCells(const ImageViewF& squared_gradient,
-                   const RegionThresholds& thresholds,
-                   const std::vector<uint8_t>& usable,
-                   int border,
-                   int cell_size,
-                   float factor,
-                   const IsFree& is_free,
-                   std::vector<Eigen::Vector2i>* points) {
-  const int width = squared_gradient.width;
-  const int height = squared_gradient.height;
-  for (int y0 = border; y0 < height - border; y0 += cell_size) {
-    for (int x0 = border; x0 < width - border; x0 += cell_size) {
-      if (!is_free(x0, y0)) continue;
-      float best = 0;
-      Eigen::Vector2i best_px(-1, -1);
-      for (int y = y0; y < std::min(y0 + cell_size, height - border); ++y) {
-        for (int x = x0; x < std::min(x0 + cell_size, width - border); ++x) {
-          const float squared = squared_gradient(x, y);
-          if (squared > best && squared > factor * thresholds.SquaredAt(x, y) &&
-              usable[static_cast<size_t>(y) * width + x]) {
-            best = squared;
-            best_px = {x, y};
-          }
-        }
-      }
-      if (best > 0) points->push_back(best_px);
+// A pixel that may be selected, with its gradient relative to the region's threshold.
+struct UsablePixel {
+  Eigen::Vector2i px;
+  float squared_gradient;
+  bool is_strong;  // above the threshold itself, not only above its weak fraction
+};
+
+// The pixel of strongest gradient in each cell, among those that pass `is_wanted`, in the order of
+// the cells.
+template <typename IsWanted>
+std::vector<Eigen::Vector2i> StrongestInCells(const std::vector<UsablePixel>& pixels,
+                                              int width,
+                                              int height,
+                                              int cell_size,
+                                              const IsWanted& is_wanted) {
+  const int columns = (width + cell_size - 1) / cell_size;
+  const int rows = (height + cell_size - 1) / cell_size;
+  std::vector<const UsablePixel*> best(static_cast<size_t>(columns) * rows, nullptr);
+  for (const UsablePixel& pixel : pixels) {
+    if (!is_wanted(pixel)) continue;
+    const UsablePixel*& strongest =
+        best[static_cast<size_t>(pixel.px.y() / cell_size) * columns + pixel.px.x() / cell_size];
+    if (strongest == nullptr || pixel.squared_gradient > strongest->squared_gradient) {
+      strongest = &pixel;
     }
   }
+  std::vector<Eigen::Vector2i> points;
+  for (const UsablePixel* pixel : best) {
+    if (pixel != nullptr) points.push_back(pixel->px);
+  }
+  return points;
 }
 
 }  // namespace
@@ -105,43 +106,33 @@ std::vector<Eigen::Vector2i> SelectPoints(const ImageViewF& squared_gradient,
   if (count <= 0) return {};
   const RegionThresholds thresholds(squared_gradient, options);
   constexpr float kWeakFactor = 0.25f;  // of the squared threshold
-  std::vector<uint8_t> usable(static_cast<size_t>(width) * height, 0);
+  std::vector<UsablePixel> pixels;
   for (int y = options.border; y < height - options.border; ++y) {
     for (int x = options.border; x < width - options.border; ++x) {
-      usable[static_cast<size_t>(y) * width + x] =
-          squared_gradient(x, y) > kWeakFactor * thresholds.SquaredAt(x, y) && is_usable(x, y);
+      const float squared = squared_gradient(x, y);
+      const float threshold = thresholds.SquaredAt(x, y);
+      if (squared > kWeakFactor * threshold && is_usable(x, y)) {
+        pixels.push_back({{x, y}, squared, squared > threshold});
+      }
     }
   }
 
   const auto select = [&](int cell_size) {
-    std::vector<Eigen::Vector2i> points;
-    SelectInCells(
-        squared_gradient,
-        thresholds,
-        usable,
-        options.border,
-        cell_size,
-        1.0f,
-        [](int, int) { return true; },
-        &points);
-    // Cells of the second pass that already hold a point stay as they are.
+    std::vector<Eigen::Vector2i> points = StrongestInCells(
+        pixels, width, height, cell_size, [](const UsablePixel& pixel) { return pixel.is_strong; });
+    // Wide cells of the second pass that already hold a point stay as they are.
     const int wide = 2 * cell_size;
     const int columns = (width + wide - 1) / wide;
-    std::vector<uint8_t> taken(static_cast<size_t>(columns) * ((height + wide - 1) / wide), 0);
-    const auto wide_cell = [&](int x, int y) -> uint8_t& {
-      return taken[static_cast<size_t>((y - options.border) / wide) * columns +
-                   (x - options.border) / wide];
+    std::vector<bool> taken(static_cast<size_t>(columns) * ((height + wide - 1) / wide), false);
+    const auto wide_cell = [&](const Eigen::Vector2i& px) {
+      return static_cast<size_t>(px.y() / wide) * columns + px.x() / wide;
     };
-    for (const Eigen::Vector2i& p : points) wide_cell(p.x(), p.y()) = 1;
-    SelectInCells(
-        squared_gradient,
-        thresholds,
-        usable,
-        options.border,
-        wide,
-        kWeakFactor,
-        [&](int x, int y) { return wide_cell(x, y) == 0; },
-        &points);
+    for (const Eigen::Vector2i& px : points) taken[wide_cell(px)] = true;
+    const std::vector<Eigen::Vector2i> weak =
+        StrongestInCells(pixels, width, height, wide, [&](const UsablePixel& pixel) {
+          return !taken[wide_cell(pixel.px)];
+        });
+    points.insert(points.end(), weak.begin(), weak.end());
     return points;
   };
 
