@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/report/plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include <glog/logging.h>
+
+#include "prism/report/plot_canvas.h"
+
+namespace prism {
+namespace {
+
+constexpr int kWidth = 800;
+constexpr int kHeight = 500;
+constexpr double kLeft = 75;
+constexpr double kRight = 20;
+constexpr double kTop = 40;
+constexpr double kBottom = 55;
+constexpr double kTextSize = 13;
+constexpr double kThinning_px = 0.4;  // points nearer to the last drawn one add nothing
+constexpr Color kInk{40, 40, 40};
+constexpr Color kGrid{225, 225, 225};
+constexpr Color kReference{150, 150, 150};
+// Okabe and Ito's colours, which colour-blind readers can tell apart.
+constexpr std::array<Color, 7> kColors = {{{0, 114, 178},
+                                           {213, 94, 0},
+                                           {0, 158, 115},
+                                           {204, 121, 167},
+                                           {230, 159, 0},
+                                           {86, 180, 233},
+                                           {0, 0, 0}}};
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void Include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  double size() const { return high - low; }
+  // Some air at both ends; a range that is empty or a single value gets a size of its own.
+  void Pad() {
+    if (!(low <= high)) *this = {0, 1};
+    const double margin = size() > 0 ? 0.04 * size() : std::max(0.5, 0.1 * std::abs(low));
+    low -= margin;
+    high += margin;
+  }
+  void GrowTo(double new_size) {
+    const double growth = (new_size - size()) / 2;
+    low -= growth;
+    high += growth;
+  }
+};
+
+bool IsFinite(const PlotPoint& point) { return std::isfinite(point.x) && std::isfinite(point.y); }
+
+// From the data's units to the canvas.
+class Axes {
+ public:
+  explicit Axes(const Plot& plot) {
+    for (const PlotSeries& series : plot.series) {
+      for (const PlotPoint& point : series.points) {
+        if (!IsFinite(point)) continue;
+        x_.Include(point.x);
+        y_.Include(point.y);
+      }
+    }
+    if (plot.y_from_zero && y_.low <= y_.high) y_.Include(0);
+    const bool starts_at_zero = plot.y_from_zero && y_.low == 0;
+    x_.Pad();
+    y_.Pad();
+    if (starts_at_zero) y_.low = 0;
+    if (plot.equal_scale) {
+      const double unit = std::max(x_.size() / kInnerWidth, y_.size() / kInnerHeight);
+      x_.GrowTo(unit * kInnerWidth);
+      y_.GrowTo(unit * kInnerHeight);
+    }
+  }
+
+  double X(double x) const { return kLeft + (x - x_.low) / x_.size() * kInnerWidth; }
+  double Y(double y) const { return kHeight - kBottom - (y - y_.low) / y_.size() * kInnerHeight; }
+  const Range& x() const { return x_; }
+  const Range& y() const { return y_; }
+
+ private:
+  static constexpr double kInnerWidth = kWidth - kLeft - kRight;
+  static constexpr double kInnerHeight = kHeight - kTop - kBottom;
+  Range x_;
+  Range y_;
+};
+
+std::string TickLabel(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", value);
+  return text;
+}
+
+void DrawFrame(const Plot& plot, const Axes& axes, PlotCanvas* canvas) {
+  const double bottom = kHeight - kBottom;
+  const double right = kWidth - kRight;
+  for (const double x : AxisTicks(axes.x().low, axes.x().high, 8)) {
+    canvas->Polyline({{axes.X(x), kTop}, {axes.X(x), bottom}}, kGrid, 1);
+    const PlotPoint below{axes.X(x), bottom + 17};
+    canvas->Text(below, TickLabel(x), TextAnchor::kMiddle, kTextSize, kInk, false);
+  }
+  for (const double y : AxisTicks(axes.y().low, axes.y().high, 6)) {
+    canvas->Polyline({{kLeft, axes.Y(y)}, {right, axes.Y(y)}}, kGrid, 1);
+    const PlotPoint beside{kLeft - 6, axes.Y(y) + 4};
+    canvas->Text(beside, TickLabel(y), TextAnchor::kEnd, kTextSize, kInk, false);
+  }
+  canvas->Polyline({{kLeft, kTop}, {kLeft, bottom}, {right, bottom}}, kInk, 1);
+  const double middle_x = (kLeft + right) / 2;
+  const double middle_y = (kTop + bottom) / 2;
+  canvas->Text({middle_x, 24}, plot.title, TextAnchor::kMiddle, 16, kInk, false);
+  canvas->Text(
+      {middle_x, kHeight - 12.0}, plot.x_label, TextAnchor::kMiddle, kTextSize, kInk, false);
+  canvas->Text({18, middle_y}, plot.y_label, TextAnchor::kMiddle, kTextSize, kInk, true);
+}
+
+void DrawSeries(const PlotSeries& series, Color color, const Axes& axes, PlotCanvas* canvas) {
+  const double width = series.is_reference ? 2.5 : 1.5;
+  std::vector<PlotPoint> line;
+  for (size_t i = 0; i < series.points.size(); ++i) {
+    if (!IsFinite(series.points[i])) {
+      canvas->Polyline(line, color, width);
+      line.clear();
+      continue;
+    }
+    const PlotPoint point{axes.X(series.points[i].x), axes.Y(series.points[i].y)};
+    const bool is_last = i + 1 == series.points.size();
+    if (!line.empty() && !is_last &&
+        std::hypot(point.x - line.back().x, point.y - line.back().y) < kThinning_px) {
+      continue;
+    }
+    line.push_back(point);
+  }
+  canvas->Polyline(line, color, width);
+}
+
+void Draw(const Plot& plot, PlotCanvas* canvas) {
+  const Axes axes(plot);
+  DrawFrame(plot, axes, canvas);
+  std::vector<Color> colors;
+  size_t next = 0;
+  for (const PlotSeries& series : plot.series) {
+    colors.push_back(series.is_reference ? kReference : kColors[next++ % kColors.size()]);
+  }
+  for (const bool reference : {true, false}) {
+    for (size_t i = 0; i < plot.series.size(); ++i) {
+      if (plot.series[i].is_reference == reference) {
+        DrawSeries(plot.series[i], colors[i], axes, canvas);
+      }
+    }
+  }
+  double y = kTop + 16;
+  for (size_t i = 0; i < plot.series.size(); ++i, y += 18) {
+    const double x = kWidth - kRight - 8;
+    canvas->Polyline({{x - 24, y - 4}, {x, y - 4}}, colors[i], 2.5);
+    canvas->Text({x - 30, y}, plot.series[i].label, TextAnchor::kEnd, kTextSize, colors[i], false);
+  }
+}
+
+}  // namespace
+
+std::vector<double> AxisTicks(double low, double high, int count) {
+  CHECK_LT(low, high);
+  CHECK_GT(count, 0);
+  const double rough = (high - low) / count;
+  const double power = std::pow(10.0, std::floor(std::log10(rough)));
+  double step = 10 * power;
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= rough) {
+      step = factor * power;
+      break;
+    }
+  }
+  std::vector<double> ticks;
+  const double first = std::ceil(low / step - 1e-9);
+  const double last = std::floor(high / step + 1e-9);
+  for (double i = first; i <= last; ++i) ticks.push_back(i == 0 ? 0.0 : i * step);
+  return ticks;
+}
+
+void WritePlot(const std::string& path_without_extension, const Plot& plot) {
+  const auto svg = MakeSvgCanvas(kWidth, kHeight);
+  const auto png = MakePngCanvas(kWidth, kHeight);
+  Draw(plot, svg.get());
+  Draw(plot, png.get());
+  svg->Save(path_without_extension + ".svg");
+  png->Save(path_without_extension + ".png");
+}
+
+}  // namespace prism

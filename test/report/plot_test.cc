@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/report/plot.h"
+
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "prism/base/error.h"
+#include "prism/io/atomic_file.h"
+
+namespace prism {
+namespace {
+
+using ::testing::DoubleNear;
+using ::testing::HasSubstr;
+using ::testing::Pointwise;
+
+size_t CountOf(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(Plot, TicksAreRoundNumbersInsideTheAxis) {
+  EXPECT_THAT(AxisTicks(0, 10, 5), Pointwise(DoubleNear(1e-12), {0, 2, 4, 6, 8, 10}));
+  EXPECT_THAT(AxisTicks(-0.13, 0.26, 4), Pointwise(DoubleNear(1e-12), {-0.1, 0.0, 0.1, 0.2}));
+  EXPECT_THAT(AxisTicks(994, 1003, 4), Pointwise(DoubleNear(1e-9), {995, 1000}));
+}
+
+TEST(Plot, IsWrittenAsSvgAndPngOfTheSameDrawing) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "plot_test";
+  CreateDirectory(folder.string());
+  Plot plot{"Error <of> A & B", "time (s)", "error (m)", {}, false, true};
+  const double gap = std::numeric_limits<double>::quiet_NaN();
+  plot.series.push_back({"first", {{0, 0}, {1, 1}, {2, gap}, {3, 1}, {4, 2}}});
+  WritePlot((folder / "error").string(), plot);
+
+  const std::string svg = ReadTextFile((folder / "error.svg").string());
+  EXPECT_THAT(svg, HasSubstr("Error &lt;of&gt; A &amp; B"));
+  EXPECT_EQ(CountOf(svg, "stroke=\"#0072b2\" stroke-width=\"1.5\""), 2u) << "a line on each side";
+  const cv::Mat png = cv::imread((folder / "error.png").string());
+  ASSERT_EQ(png.size(), cv::Size(1600, 1000));
+  const cv::Mat curve_colored = png.reshape(1, static_cast<int>(png.total()));
+  int curve_pixels = 0;
+  for (int i = 0; i < curve_colored.rows; ++i) {
+    const uint8_t* bgr = curve_colored.ptr(i);
+    curve_pixels += bgr[0] == 178 && bgr[1] == 114 && bgr[2] == 0;
+  }
+  EXPECT_GT(curve_pixels, 1000);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Plot, WithoutPointsShowsEmptyAxes) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "plot_empty_test";
+  CreateDirectory(folder.string());
+  WritePlot((folder / "empty").string(), {"Nothing", "x", "y", {{"none", {}}}, true, true});
+  EXPECT_THAT(ReadTextFile((folder / "empty.svg").string()), HasSubstr("Nothing"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Plot, AFolderThatIsNotThereIsBadInput) {
+  EXPECT_THROW(WritePlot("/nowhere/plot", {}), InputError);
+}
+
+}  // namespace
+}  // namespace prism
