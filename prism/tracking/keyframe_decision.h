@@ -10,9 +10,9 @@ namespace prism {
 
 struct KeyframeOptions {
   // Each cause alone makes a keyframe when it reaches its limit; fractions of them add up.
-  double max_translation_flow = 0.03;  // RMS flow by translation, fraction of width + height
-  double max_flow = 0.05;              // RMS flow of the whole motion, fraction of width + height
-  double max_rotation = 0.2;           // rad
+  double max_translation_flow = 0.04;  // RMS flow by translation, fraction of width + height
+  double max_flow = 0.07;              // RMS flow of the whole motion, fraction of width + height
+  double max_rotation = 0.3;           // rad
   double max_log_gain = 0.3;           // |relative a|
   double min_visible_fraction = 0.6;   // of the reference samples
   double max_rms_ratio = 2;            // RMS over that of the first frame after the keyframe

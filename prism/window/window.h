@@ -16,7 +16,7 @@ namespace prism {
 struct WindowOptions {
   int max_keyframes = 7;
   int max_points = 2000;   // active, over all keyframes
-  int max_iterations = 6;  // of Levenberg-Marquardt, per optimisation
+  int max_iterations = 4;  // of Levenberg-Marquardt, per optimisation
   int threads = 2;         // of the evaluation and the linear algebra
   PhotometricOptions photometric;
   double photometric_huber =
