@@ -122,7 +122,7 @@ OptimizationResult OptimizeWindow(const WindowOptions& options, Window* window) 
   solver.linear_solver_ordering = built.ordering;
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = options.threads;
-  solver.function_tolerance = 2e-3;
+  solver.function_tolerance = options.function_tolerance;
   solver.jacobi_scaling = false;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

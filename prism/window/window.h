@@ -15,9 +15,10 @@ namespace prism {
 
 struct WindowOptions {
   int max_keyframes = 7;
-  int max_points = 2000;   // active, over all keyframes
-  int max_iterations = 4;  // of Levenberg-Marquardt, per optimisation
-  int threads = 2;         // of the evaluation and the linear algebra
+  int max_points = 2000;             // active, over all keyframes
+  int max_iterations = 4;            // of Levenberg-Marquardt, per optimisation
+  double function_tolerance = 2e-3;  // relative fall of the cost below which it stops
+  int threads = 2;                   // of the evaluation and the linear algebra
   PhotometricOptions photometric;
   double photometric_huber =
       3;  // standard deviations, over the norm of a pattern's 8 residuals / sqrt(8)
