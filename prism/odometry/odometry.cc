@@ -76,7 +76,7 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
                                     camera_.focused_width(),
                                     camera_.focused_height(),
                                     options_.keyframe)) {
-    MakeKeyframe(frame, &result);
+    MakeKeyframe(frame, reference->state.pose(), &result);
   } else {
     if (first_rms_ == 0) first_rms_ = alignment.rms;
     tracked_frames_.push_back(
@@ -94,17 +94,21 @@ const Keyframe* Odometry::Track(const LightFieldFrame& frame, TrackingResult* tr
   if (tracking->status == TrackingStatus::kGood) return &window_.newest();
   if (tracking->status == TrackingStatus::kNoTexture || lost_frames_ == 0) return nullptr;
   for (size_t i = window_.keyframes.size() - 1; i-- > 0;) {
-    Tracker recovery(options_.tracker);
-    recovery.SetReference(MakeReference(*window_.keyframes[i]), SE3());
+    const Keyframe& keyframe = *window_.keyframes[i];
+    Tracker recovery = tracker_;
+    recovery.SetReference(MakeReference(keyframe),
+                          keyframe.state.pose() * window_.newest().state.pose().Inverse());
     *tracking = recovery.Track(frame.image);
-    if (tracking->status == TrackingStatus::kGood) return window_.keyframes[i].get();
+    if (tracking->status == TrackingStatus::kGood) {
+      tracker_ = std::move(recovery);
+      return &keyframe;
+    }
   }
   return nullptr;
 }
 
 FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
   ++lost_frames_;
-  tracker_.ForgetMotion();
   if (lost_frames_ > options_.max_lost_frames && status != TrackingStatus::kNoTexture) {
     // Everything the window holds goes to the map; the new segment knows nothing of it.
     while (!window_.empty()) {
@@ -143,7 +147,7 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   AnchorFirstKeyframe(&window_);
   RememberKeyframePoses();
   tracked_frames_.push_back({window_.newest().frame->time_ns, window_.newest().id, SE3()});
-  tracker_.ForgetMotion();
+  tracker_.Reset();
   tracker_.SetReference(MakeReference(window_.newest()), SE3());
   first_rms_ = 0;
   result.status = FrameStatus::kTracked;
@@ -154,8 +158,7 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   return result;
 }
 
-void Odometry::MakeKeyframe(FramePtr frame, FrameResult* result) {
-  const SE3 old_reference = window_.newest().state.pose();
+void Odometry::MakeKeyframe(FramePtr frame, const SE3& reference_pose, FrameResult* result) {
   auto keyframe = std::make_unique<Keyframe>();
   keyframe->id = next_keyframe_id_++;
   keyframe->frame = std::move(frame);
@@ -177,7 +180,7 @@ void Odometry::MakeKeyframe(FramePtr frame, FrameResult* result) {
   {
     const StageTimer::Scope scope(&timer_, "set reference");
     tracker_.SetReference(MakeReference(window_.newest()),
-                          window_.newest().state.pose() * old_reference.Inverse());
+                          window_.newest().state.pose() * reference_pose.Inverse());
     first_rms_ = 0;
   }
   {

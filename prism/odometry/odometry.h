@@ -97,7 +97,7 @@ class Odometry {
   const Keyframe* Track(const LightFieldFrame& frame, TrackingResult* tracking);
   FrameResult StartSegment(FramePtr frame);
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
-  void MakeKeyframe(FramePtr frame, FrameResult* result);
+  void MakeKeyframe(FramePtr frame, const SE3& reference_pose, FrameResult* result);
   void ActivatePoints();
   void RetireKeyframes();
   TrackingReference MakeReference(const Keyframe& reference) const;

@@ -36,8 +36,8 @@ struct Candidate {
   int failures = 0;  // frames in a row it should have been found in and was not
 };
 
-// A frame of the sliding window. Nodes do not move while the window holds them: Ceres keeps
-// pointers to `state` and to each point's `rho`.
+// A frame of the sliding window. Nodes do not move while the window holds them: patches are
+// pointed to by residuals.
 struct Keyframe {
   int id = 0;  // rising with time
   std::shared_ptr<const LightFieldFrame> frame;

@@ -22,9 +22,11 @@ SE3 Half(const SE3& motion) { return SE3::Exp(0.5 * motion.Log()); }
 
 bool TrackerOptions::IsValid(std::string* error) const {
   if (!alignment.IsValid(error)) return false;
-  if (retry_rms_ratio >= 1 && min_rms_gradient >= 0 && retry_rotation > 0) return true;
+  if (retry_rms_ratio >= 1 && max_rms_ratio >= retry_rms_ratio && min_rms_gradient >= 0 &&
+      retry_rotation > 0)
+    return true;
   *error =
-      "tracking needs a retry ratio of 1 or more, a gradient of 0 or more and a positive "
+      "tracking needs RMS ratios of 1 or more, a gradient of 0 or more and a positive "
       "retry rotation";
   return false;
 }
@@ -45,9 +47,10 @@ void Tracker::SetReference(TrackingReference reference, const SE3& new_from_old_
   reference_ = std::move(reference);
 }
 
-void Tracker::ForgetMotion() {
+void Tracker::Reset() {
   history_.clear();
   last_rms_ = 0;
+  misses_ = 0;
 }
 
 std::vector<AlignmentState> Tracker::Predictions() const {
@@ -64,10 +67,13 @@ std::vector<AlignmentState> Tracker::Predictions() const {
     const SE3 motion = history_.size() < 2 ? SE3()
                                            : last.target_from_reference *
                                                  history_[0].target_from_reference.Inverse();
-    add(motion);
-    add(Half(motion));
+    // As many steps as frames have passed since the last good one.
+    SE3 travelled = motion;
+    for (int i = 0; i < misses_; ++i) travelled = motion * travelled;
+    add(travelled);
+    add(Half(travelled));
     add(SE3());
-    add(motion * motion);
+    add(motion * travelled);
     predictions.emplace_back();  // back at the keyframe
   }
   // Rotations about the first prediction.
@@ -85,6 +91,19 @@ std::vector<AlignmentState> Tracker::Predictions() const {
 }
 
 TrackingResult Tracker::Track(const ImagePyramid& target) {
+  TrackingResult result = TryPredictions(target);
+  if (result.status != TrackingStatus::kGood) {
+    ++misses_;
+    return result;
+  }
+  misses_ = 0;
+  last_rms_ = result.alignment.rms;
+  history_.push_back(result.alignment.state);
+  if (history_.size() > 2) history_.erase(history_.begin());
+  return result;
+}
+
+TrackingResult Tracker::TryPredictions(const ImagePyramid& target) const {
   TrackingResult result;
   const ImageF& texture_level = target[std::min<size_t>(1, target.size() - 1)];
   if (RmsGradient(texture_level) < options_.min_rms_gradient) {
@@ -102,11 +121,10 @@ TrackingResult Tracker::Track(const ImagePyramid& target) {
     }
     if (good && (last_rms_ == 0 || alignment.rms < options_.retry_rms_ratio * last_rms_)) break;
   }
-  if (result.alignment.status != AlignmentStatus::kGood) return result;
-  result.status = TrackingStatus::kGood;
-  last_rms_ = result.alignment.rms;
-  history_.push_back(result.alignment.state);
-  if (history_.size() > 2) history_.erase(history_.begin());
+  if (result.alignment.status == AlignmentStatus::kGood &&
+      (last_rms_ == 0 || result.alignment.rms < options_.max_rms_ratio * last_rms_)) {
+    result.status = TrackingStatus::kGood;
+  }
   return result;
 }
 

@@ -13,6 +13,8 @@ struct TrackerOptions {
   AlignmentOptions alignment;
   // Another prediction is tried while the fit is worse than this times the last good one.
   double retry_rms_ratio = 1.5;
+  // A fit worse than this times the last good one is no match, however it came about.
+  double max_rms_ratio = 2.5;
   // A frame whose root mean squared gradient is below this shows nothing; 0 to 255 a px.
   double min_rms_gradient = 0.5;
   // Rotations tried about each axis when predictions fail, rad.
@@ -41,17 +43,19 @@ class Tracker {
 
   TrackingResult Track(const ImagePyramid& target);
 
-  // Forgets the motion (after a loss); the reference stays.
-  void ForgetMotion();
+  // Forgets motion and fit, for a new start; the reference stays.
+  void Reset();
 
  private:
   std::vector<AlignmentState> Predictions() const;
+  TrackingResult TryPredictions(const ImagePyramid& target) const;
 
   TrackerOptions options_;
   TrackingReference reference_;
   // The last two frames, relative to the current reference.
   std::vector<AlignmentState> history_;
   double last_rms_ = 0;  // of the last good frame; 0: none yet
+  int misses_ = 0;       // frames not tracked since the last good one
 };
 
 }  // namespace prism

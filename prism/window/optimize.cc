@@ -19,8 +19,13 @@ namespace {
 
 // The problem and what its residual blocks point to.
 struct WindowProblem {
-  WindowProblem(const WindowOptions& options, Window* window);
+  WindowProblem(const WindowOptions& options, const Window& window);
+  void CopyTo(Window* window) const;
 
+  // Ceres orders parameter blocks by address: in these arrays it always finds the same order, so
+  // that the result does not depend on where the heap put keyframes and points.
+  std::vector<FrameState> states;
+  std::vector<double> rho;  // of all points, keyframe by keyframe
   PairTable pairs;
   FrameManifold manifold;
   std::unique_ptr<ceres::LossFunction> photometric_loss;
@@ -40,8 +45,24 @@ ceres::Problem::Options ProblemOptions(PairTable* pairs) {
   return options;
 }
 
-WindowProblem::WindowProblem(const WindowOptions& options, Window* window)
-    : pairs(*window, options.first_estimate_jacobians),
+std::vector<FrameState> CopyStates(const Window& window) {
+  std::vector<FrameState> states;
+  for (const auto& keyframe : window.keyframes) states.push_back(keyframe->state);
+  return states;
+}
+
+std::vector<double> CopyInverseDepths(const Window& window) {
+  std::vector<double> rho;
+  for (const auto& keyframe : window.keyframes) {
+    for (const auto& point : keyframe->points) rho.push_back(point->rho);
+  }
+  return rho;
+}
+
+WindowProblem::WindowProblem(const WindowOptions& options, const Window& window)
+    : states(CopyStates(window)),
+      rho(CopyInverseDepths(window)),
+      pairs(window, states, options.first_estimate_jacobians),
       manifold(!options.affine_brightness),
       problem(ProblemOptions(&pairs)),
       ordering(std::make_shared<ceres::ParameterBlockOrdering>()) {
@@ -50,46 +71,61 @@ WindowProblem::WindowProblem(const WindowOptions& options, Window* window)
                                                           std::sqrt(double{kPatternSize}));
     depth_loss = std::make_unique<ceres::HuberLoss>(options.depth_huber);
   }
-  const auto& keyframes = window->keyframes;
-  for (const auto& keyframe : keyframes) {
-    problem.AddParameterBlock(keyframe->state.data(), FrameState::kSize, &manifold);
-    ordering->AddElementToGroup(keyframe->state.data(), 1);
+  for (FrameState& state : states) {
+    problem.AddParameterBlock(state.data(), FrameState::kSize, &manifold);
+    ordering->AddElementToGroup(state.data(), 1);
   }
+  const auto& keyframes = window.keyframes;
+  double* point_rho = rho.data();
   for (size_t i = 0; i < keyframes.size(); ++i) {
+    std::vector<SE3> target_from_host;
+    for (const FrameState& state : states) {
+      target_from_host.push_back(state.pose() * states[i].pose().Inverse());
+    }
     for (const auto& point : keyframes[i]->points) {
-      const size_t blocks_before = photometric_blocks.size();
+      bool is_constrained = false;
       for (size_t j = 0; j < keyframes.size(); ++j) {
-        if (i == j || !IsObserved(*window, *keyframes[i], *point, *keyframes[j])) continue;
+        if (i == j || !IsObserved(window.camera, target_from_host[j], *point, *keyframes[j])) {
+          continue;
+        }
         photometric_blocks.push_back(problem.AddResidualBlock(
             new PhotometricCost(
-                &point->patch, &pairs.pair(i, j), keyframes[j]->frame->image[0], &window->camera),
+                &point->patch, &pairs.pair(i, j), keyframes[j]->frame->image[0], &window.camera),
             photometric_loss.get(),
-            keyframes[i]->state.data(),
-            keyframes[j]->state.data(),
-            &point->rho));
+            states[i].data(),
+            states[j].data(),
+            point_rho));
+        is_constrained = true;
       }
-      const bool has_depth = options.depth_residual && point->w_sigma > 0;
-      if (has_depth) {
+      if (options.depth_residual && point->w_sigma > 0) {
         depth_blocks.push_back(problem.AddResidualBlock(
-            new InverseVirtualDepthCost(point->w_measured, point->w_sigma, &window->camera),
+            new InverseVirtualDepthCost(point->w_measured, point->w_sigma, &window.camera),
             depth_loss.get(),
-            &point->rho));
+            point_rho));
+        is_constrained = true;
       }
-      if (has_depth || photometric_blocks.size() > blocks_before) {
-        ordering->AddElementToGroup(&point->rho, 0);
-      }
+      if (is_constrained) ordering->AddElementToGroup(point_rho, 0);
+      ++point_rho;
     }
   }
-  if (options.marginalization_prior && !window->prior.empty()) {
-    std::vector<double*> states;
-    for (const int id : window->prior_keyframe_ids) {
-      for (const auto& keyframe : keyframes) {
-        if (keyframe->id == id) states.push_back(keyframe->state.data());
+  if (options.marginalization_prior && !window.prior.empty()) {
+    std::vector<double*> prior_states;
+    for (const int id : window.prior_keyframe_ids) {
+      for (size_t i = 0; i < keyframes.size(); ++i) {
+        if (keyframes[i]->id == id) prior_states.push_back(states[i].data());
       }
     }
-    problem.AddResidualBlock(new LinearPriorCost(&window->prior), nullptr, states);
+    problem.AddResidualBlock(new LinearPriorCost(&window.prior), nullptr, prior_states);
   } else {
-    problem.SetParameterBlockConstant(keyframes.front()->state.data());
+    problem.SetParameterBlockConstant(states.front().data());
+  }
+}
+
+void WindowProblem::CopyTo(Window* window) const {
+  const double* point_rho = rho.data();
+  for (size_t i = 0; i < states.size(); ++i) {
+    window->keyframes[i]->state = states[i];
+    for (const auto& point : window->keyframes[i]->points) point->rho = *point_rho++;
   }
 }
 
@@ -116,7 +152,7 @@ double VarianceFactor(const ceres::Problem& problem,
 }  // namespace
 
 OptimizationResult OptimizeWindow(const WindowOptions& options, Window* window) {
-  WindowProblem built(options, window);
+  WindowProblem built(options, *window);
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.linear_solver_ordering = built.ordering;
@@ -129,6 +165,7 @@ OptimizationResult OptimizeWindow(const WindowOptions& options, Window* window) 
   ceres::Solve(solver, &built.problem, &summary);
 
   built.pairs.Update();
+  built.CopyTo(window);
   OptimizationResult result;
   result.usable = summary.IsSolutionUsable();
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;

@@ -15,20 +15,22 @@ namespace prism {
 // per evaluation.
 class PairTable : public ceres::EvaluationCallback {
  public:
-  // `first_estimates`: Jacobians of frames that have one are evaluated there.
+  // `first_estimates`: Jacobians of frames that have one are evaluated there. The states are read
+  // from `states` (one a keyframe, in their order), or from the keyframes themselves.
   PairTable(const Window& window, bool first_estimates);
+  PairTable(const Window& window, const std::vector<FrameState>& states, bool first_estimates);
 
   // Addresses stay valid as long as the table.
   const FramePair& pair(size_t host_index, size_t target_index) const {
-    return pairs_[host_index * window_.keyframes.size() + target_index];
+    return pairs_[host_index * states_.size() + target_index];
   }
   void Update();
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
 
  private:
-  const Window& window_;
-  bool first_estimates_;
+  std::vector<const FrameState*> states_;
+  std::vector<const FrameState*> first_estimates_;  // null: none
   std::vector<FramePair> pairs_;
 };
 

@@ -30,8 +30,8 @@ int Window::NumPoints() const {
   return count;
 }
 
-bool IsObserved(const Window& window,
-                const Keyframe& host,
+bool IsObserved(const PlenopticProjection& camera,
+                const SE3& target_from_host,
                 const Point& point,
                 const Keyframe& target) {
   if (std::find(point.outlier_targets.begin(), point.outlier_targets.end(), target.id) !=
@@ -39,14 +39,16 @@ bool IsObserved(const Window& window,
     return false;
   }
   Eigen::Vector3d x_V;
-  if (!ProjectBetweenFrames(window.camera,
-                            point.patch.px,
-                            point.rho,
-                            target.state.pose() * host.state.pose().Inverse(),
-                            &x_V)) {
-    return false;
-  }
-  return target.frame->image[0].view().Contains(x_V.x(), x_V.y(), kPatternRadius + 2);
+  return ProjectBetweenFrames(camera, point.patch.px, point.rho, target_from_host, &x_V) &&
+         target.frame->image[0].view().Contains(x_V.x(), x_V.y(), kPatternRadius + 2);
+}
+
+bool IsObserved(const Window& window,
+                const Keyframe& host,
+                const Point& point,
+                const Keyframe& target) {
+  return IsObserved(
+      window.camera, target.state.pose() * host.state.pose().Inverse(), point, target);
 }
 
 void AnchorFirstKeyframe(Window* window) {

@@ -57,6 +57,12 @@ bool IsObserved(const Window& window,
                 const Point& point,
                 const Keyframe& target);
 
+// The same with the relative pose at hand.
+bool IsObserved(const PlenopticProjection& camera,
+                const SE3& target_from_host,
+                const Point& point,
+                const Keyframe& target);
+
 // Holds the gauge: a prior that ties the first keyframe's state to where it is.
 void AnchorFirstKeyframe(Window* window);
 

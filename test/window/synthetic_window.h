@@ -25,10 +25,11 @@ struct SyntheticOptions {
   unsigned seed = 0;
 };
 
-// The plane z = 2 + 0.2 x - 0.1 y in the world, with a smooth texture of several scales.
+// The plane z = 2 + 0.2 x - 0.1 y in the world, with a smooth texture of many scales.
 inline double PlaneTexture(double x, double y) {
-  return 128 + 40 * std::sin(23 * x + 3 * y) * std::cos(19 * y - 5 * x) +
-         25 * std::sin(61 * x - 40 * y) + 20 * std::cos(97 * y + 31 * x);
+  return 128 + 30 * std::sin(4.3 * x + 1.1 * y + 0.4) * std::cos(3.7 * y - 0.9 * x) +
+         25 * std::sin(11 * x - 7 * y) + 22 * std::sin(23 * x + 3 * y) * std::cos(19 * y - 5 * x) +
+         18 * std::sin(61 * x - 40 * y) + 16 * std::cos(97 * y + 31 * x);
 }
 
 inline PlenopticCamera SyntheticCamera(const SyntheticOptions& options) {

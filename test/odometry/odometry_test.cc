@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/odometry/odometry.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "test/window/synthetic_window.h"
+
+namespace prism {
+namespace {
+
+SyntheticOptions Scene() {
+  SyntheticOptions options;
+  options.width = 320;
+  options.height = 240;
+  return options;
+}
+
+SE3 TruePose(int frame) {
+  const double s = 0.1 * frame;
+  return SE3::Exp((Vector6d() << 0.15 * s,
+                   0.05 * std::sin(2 * s),
+                   0.03 * s,
+                   0.02 * std::sin(s),
+                   0.05 * s,
+                   0.03 * std::sin(3 * s))
+                      .finished());
+}
+
+LightFieldFrame TrueFrame(int frame, const SE3& pose, double w_sigma = 0.002) {
+  const PlenopticProjection camera(SyntheticCamera(Scene()));
+  std::mt19937_64 generator = SeededGenerator(77, frame);
+  std::normal_distribution<double> normal;
+  LightFieldFrame rendered = *RenderPlane(camera, pose, 1, &generator);
+  for (size_t i = 0; i < rendered.sigma.size(); ++i) {
+    rendered.inverse_virtual_depth.data()[i] += static_cast<float>(w_sigma * normal(generator));
+    rendered.sigma.data()[i] = static_cast<float>(w_sigma);
+  }
+  rendered.time_ns = frame * int64_t{50'000'000};
+  return rendered;
+}
+
+LightFieldFrame BlackFrame(int frame) {
+  LightFieldFrame black;
+  black.time_ns = frame * int64_t{50'000'000};
+  black.image = BuildPyramid(ImageF(320, 240, 0.0f), 6);
+  black.inverse_virtual_depth = ImageF(320, 240, 0.0f);
+  black.sigma = ImageF(320, 240, 0.0f);
+  return black;
+}
+
+OdometryOptions TestOptions() {
+  OdometryOptions options;
+  options.window.max_points = 600;
+  options.window.threads = 1;
+  return options;
+}
+
+// Largest distance of estimated from true camera centres, both relative to a frame of the list.
+double LargestError(const Trajectory& trajectory, size_t first, size_t count) {
+  const SE3 world_from_truth = trajectory[first].world_from_cam *
+                               TruePose(static_cast<int>(trajectory[first].time_ns / 50'000'000));
+  double largest = 0;
+  for (size_t i = first; i < first + count; ++i) {
+    const SE3 truth =
+        world_from_truth * TruePose(static_cast<int>(trajectory[i].time_ns / 50'000'000)).Inverse();
+    largest = std::max(largest,
+                       (truth.translation() - trajectory[i].world_from_cam.translation()).norm());
+  }
+  return largest;
+}
+
+TEST(Odometry, FollowsAMetricPath) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  int keyframes = 0;
+  for (int i = 0; i < 30; ++i) {
+    const FrameResult result = odometry.Process(TrueFrame(i, TruePose(i)));
+    EXPECT_EQ(result.status, FrameStatus::kTracked) << "frame " << i;
+    keyframes += result.is_keyframe;
+  }
+  EXPECT_GT(keyframes, 3);
+  const Trajectory trajectory = odometry.FrameTrajectory();
+  ASSERT_EQ(trajectory.size(), 30u);
+  const double path =
+      (TruePose(29).Inverse().translation() - TruePose(0).Inverse().translation()).norm();
+  EXPECT_GT(path, 0.3);
+  EXPECT_LT(LargestError(trajectory, 0, 30), 0.01 * path);
+  EXPECT_GT(odometry.MapPoints().size(), 500u);
+  EXPECT_EQ(static_cast<int>(odometry.KeyframeTrajectory().size()), keyframes);
+}
+
+TEST(Odometry, MapPointsLieOnThePlane) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  for (int i = 0; i < 20; ++i) odometry.Process(TrueFrame(i, TruePose(i)));
+  // World is the first camera, which stands at the origin of the plane's coordinates.
+  std::vector<double> distances;
+  for (const MapPoint& point : odometry.MapPoints()) {
+    distances.push_back(std::abs(Eigen::Vector3d(-0.2, 0.1, 1).dot(point.p_in_world) - 2));
+  }
+  EXPECT_LT(Quantile(distances, 0.5), 0.02);
+}
+
+TEST(Odometry, IsDeterministicOnOneThread) {
+  Trajectory first;
+  for (int run = 0; run < 2; ++run) {
+    Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+    for (int i = 0; i < 15; ++i) odometry.Process(TrueFrame(i, TruePose(i)));
+    const Trajectory trajectory = odometry.FrameTrajectory();
+    if (run == 0) first = trajectory;
+    for (size_t i = 0; i < first.size(); ++i) {
+      for (int k = 0; k < 7; ++k) {
+        EXPECT_EQ(first[i].world_from_cam.data()[k], trajectory[i].world_from_cam.data()[k]);
+      }
+    }
+  }
+}
+
+TEST(Odometry, ABlackFrameIsNotTrackedAndTheRunGoesOn) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  for (int i = 0; i < 20; ++i) {
+    const bool is_black = i == 10 || i == 11;
+    const FrameResult result =
+        odometry.Process(is_black ? BlackFrame(i) : TrueFrame(i, TruePose(i)));
+    EXPECT_EQ(result.status, is_black ? FrameStatus::kNoTexture : FrameStatus::kTracked)
+        << "frame " << i;
+    EXPECT_EQ(result.segment, 0);
+  }
+  const Trajectory trajectory = odometry.FrameTrajectory();
+  EXPECT_EQ(trajectory.size(), 18u);
+  EXPECT_LT(LargestError(trajectory, 0, 18), 0.01);
+}
+
+TEST(Odometry, AfterALossThatCannotBeMendedANewMetricSegmentStarts) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  // From frame 12 on the camera looks at another part of the plane.
+  const SE3 elsewhere = SE3::Exp((Vector6d() << 1.3, 0.9, 0, 0, 0, 0.8).finished());
+  int lost = 0, new_segment = 0;
+  for (int i = 0; i < 30; ++i) {
+    const SE3 pose = i < 12 ? TruePose(i) : elsewhere * TruePose(i);
+    const FrameResult result = odometry.Process(TrueFrame(i, pose));
+    lost += result.status == FrameStatus::kLost;
+    new_segment += result.segment == 1 && result.status == FrameStatus::kTracked;
+  }
+  EXPECT_EQ(lost, TestOptions().max_lost_frames);
+  EXPECT_EQ(new_segment, 30 - 12 - lost);
+  const Trajectory trajectory = odometry.FrameTrajectory();
+  const size_t start = 12;
+  // Metric from its first frame: lengths within the segment are true.
+  const double estimated = (trajectory.back().world_from_cam.translation() -
+                            trajectory[start].world_from_cam.translation())
+                               .norm();
+  const auto center = [&](int64_t time_ns) -> Eigen::Vector3d {
+    return (elsewhere * TruePose(static_cast<int>(time_ns / 50'000'000))).Inverse().translation();
+  };
+  const double truth =
+      (center(trajectory.back().time_ns) - center(trajectory[start].time_ns)).norm();
+  EXPECT_NEAR(estimated / truth, 1, 0.03);
+}
+
+TEST(Odometry, AFrameWithoutDepthCannotStart) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  EXPECT_EQ(odometry.Process(BlackFrame(0)).status, FrameStatus::kNoTexture);
+  EXPECT_EQ(odometry.Process(TrueFrame(1, TruePose(1))).status, FrameStatus::kTracked);
+}
+
+}  // namespace
+}  // namespace prism

@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "prism/tracking/frame_alignment.h"
+#include "prism/tracking/keyframe_decision.h"
+#include "prism/tracking/point_selection.h"
+#include "prism/tracking/tracker.h"
+#include "test/window/synthetic_window.h"
+
+namespace prism {
+namespace {
+
+SyntheticOptions SmallImages() {
+  SyntheticOptions options;
+  options.width = 320;
+  options.height = 240;
+  return options;
+}
+
+// A reference at the origin with true depths on a grid of points, and frames rendered anywhere.
+class PlaneScene {
+ public:
+  PlaneScene() : model_(SyntheticCamera(SmallImages())), camera_(model_) {
+    reference_image_ = Render(SE3());
+    for (int y = 12; y < camera_.height - 12; y += 8) {
+      for (int x = 12; x < camera_.width - 12; x += 8) {
+        Eigen::Vector3d p;
+        points_.push_back(
+            {Eigen::Vector2d(x, y), 1 / PlaneDepth(camera_, SE3(), Eigen::Vector2d(x, y), &p)});
+      }
+    }
+  }
+
+  ImagePyramid Render(const SE3& cam_from_world) const {
+    return RenderPlane(camera_, cam_from_world, 0, nullptr)->image;
+  }
+  TrackingReference Reference() const {
+    return MakeTrackingReference(model_, reference_image_, points_, 50);
+  }
+  const ImagePyramid& reference_image() const { return reference_image_; }
+
+ private:
+  PlenopticCamera model_;
+  PlenopticProjection camera_;
+  ImagePyramid reference_image_;
+  std::vector<ReferencePoint> points_;
+};
+
+Vector6d AxisMotion(int axis, double size) {
+  Vector6d tangent = Vector6d::Zero();
+  tangent(axis) = size;
+  return tangent;
+}
+
+TEST(AlignFrame, ComesBackFromAPerturbationAlongEachAxis) {
+  const PlaneScene scene;
+  const TrackingReference reference = scene.Reference();
+  for (int axis = 0; axis < 6; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      const SE3 truth = SE3::Exp(AxisMotion(axis, sign * (axis < 3 ? 0.05 : 0.03)));
+      const FrameAlignmentResult result = AlignFrame(reference, scene.Render(truth), {}, {});
+      EXPECT_EQ(result.status, AlignmentStatus::kGood) << "axis " << axis;
+      EXPECT_LT((result.state.target_from_reference * truth.Inverse()).Log().norm(), 1e-3)
+          << "axis " << axis << ", sign " << sign;
+    }
+  }
+}
+
+TEST(AlignFrame, EstimatesAChangeOfBrightness) {
+  const PlaneScene scene;
+  ImageF changed = scene.reference_image()[0];
+  for (size_t i = 0; i < changed.size(); ++i) changed.data()[i] = 0.8f * changed.data()[i] + 12;
+  const FrameAlignmentResult result =
+      AlignFrame(scene.Reference(), BuildPyramid(changed, 6), {}, {});
+  EXPECT_EQ(result.status, AlignmentStatus::kGood);
+  EXPECT_NEAR(result.state.a, std::log(0.8), 0.01);
+  EXPECT_NEAR(result.state.b, 12, 1);
+  EXPECT_LT(result.state.target_from_reference.Log().norm(), 1e-4);
+}
+
+TEST(AlignFrame, MeasuresTheFlow) {
+  const PlaneScene scene;
+  const SE3 rotation = SE3::Exp(AxisMotion(4, 0.03));
+  const FrameAlignmentResult result = AlignFrame(scene.Reference(), scene.Render(rotation), {}, {});
+  EXPECT_NEAR(std::sqrt(result.squared_flow), 0.03 * 262.5, 1.5);
+  EXPECT_LT(std::sqrt(result.squared_translation_flow), 0.5);
+}
+
+TEST(AlignFrame, AnotherSceneIsABadFit) {
+  const PlaneScene scene;
+  ImageF noise(320, 240);
+  std::mt19937_64 generator = SeededGenerator(31, 0);
+  std::uniform_real_distribution<float> uniform(0, 255);
+  for (size_t i = 0; i < noise.size(); ++i) noise.data()[i] = uniform(generator);
+  EXPECT_NE(AlignFrame(scene.Reference(), BuildPyramid(noise, 6), {}, {}).status,
+            AlignmentStatus::kGood);
+}
+
+TEST(AlignFrame, WithoutPointsThereIsNothingToAlignTo) {
+  const PlaneScene scene;
+  EXPECT_EQ(AlignFrame(TrackingReference{}, scene.reference_image(), {}, {}).status,
+            AlignmentStatus::kTooFewPoints);
+}
+
+TEST(Tracker, FollowsAMotionAcrossAChangeOfReference) {
+  const PlaneScene scene;
+  Tracker tracker{TrackerOptions{}};
+  tracker.SetReference(scene.Reference(), SE3());
+  const Vector6d velocity = (Vector6d() << 0.03, 0.01, 0, 0, 0.02, 0).finished();
+  for (int i = 1; i <= 3; ++i) {
+    const SE3 truth = SE3::Exp(i * velocity);
+    const TrackingResult result = tracker.Track(scene.Render(truth));
+    ASSERT_EQ(result.status, TrackingStatus::kGood) << "frame " << i;
+    EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3);
+    EXPECT_EQ(result.attempts, 1) << "frame " << i;
+  }
+}
+
+TEST(Tracker, ABlackFrameHasNoTexture) {
+  const PlaneScene scene;
+  Tracker tracker{TrackerOptions{}};
+  tracker.SetReference(scene.Reference(), SE3());
+  EXPECT_EQ(tracker.Track(BuildPyramid(ImageF(320, 240, 0.0f), 6)).status,
+            TrackingStatus::kNoTexture);
+  EXPECT_EQ(tracker.Track(scene.reference_image()).status, TrackingStatus::kGood);
+}
+
+TEST(NeedsKeyframe, WhenTheImageHasMovedFarEnough) {
+  FrameAlignmentResult alignment;
+  alignment.visible_fraction = 1;
+  EXPECT_FALSE(NeedsKeyframe(alignment, 5, 640, 480, {}));
+  alignment.squared_translation_flow = alignment.squared_flow = 60 * 60;
+  EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
+}
+
+TEST(NeedsKeyframe, WhenBrightnessRotationVisibilityOrFitHaveChanged) {
+  FrameAlignmentResult same;
+  same.visible_fraction = 1;
+  same.rms = 5;
+  FrameAlignmentResult alignment = same;
+  alignment.state.a = 0.5;
+  EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
+  alignment = same;
+  alignment.state.target_from_reference = SE3::Exp(AxisMotion(5, 0.5));
+  EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
+  alignment = same;
+  alignment.visible_fraction = 0.4;
+  EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
+  alignment = same;
+  alignment.rms = 12;
+  EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
+}
+
+ImageF TexturedHalf(int width, int height) {
+  ImageF image(width, height, 100.0f);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width / 2; ++x) {
+      image(x, y) = static_cast<float>(128 + 60 * std::sin(0.9 * x) * std::cos(0.7 * y));
+    }
+  }
+  return image;
+}
+
+TEST(SelectPoints, SpreadsOverTheTextureAndLeavesTheBlankAlone) {
+  const ImageF squared = SquaredGradientMagnitude(TexturedHalf(320, 240));
+  const auto everywhere = [](int, int) { return true; };
+  const std::vector<Eigen::Vector2i> points = SelectPoints(squared, 400, everywhere, {});
+  EXPECT_GT(points.size(), 250u);
+  EXPECT_LE(points.size(), 400u);
+  int quadrant[2] = {0, 0};
+  for (const Eigen::Vector2i& px : points) {
+    EXPECT_LE(px.x(), 160);
+    ++quadrant[px.y() < 120 ? 0 : 1];
+  }
+  EXPECT_GT(std::min(quadrant[0], quadrant[1]), static_cast<int>(points.size()) / 3);
+}
+
+TEST(SelectPoints, TakesOnlyUsablePixels) {
+  const ImageF squared = SquaredGradientMagnitude(TexturedHalf(320, 240));
+  const auto odd_rows = [](int, int y) { return y % 2 == 1; };
+  const std::vector<Eigen::Vector2i> points = SelectPoints(squared, 200, odd_rows, {});
+  ASSERT_FALSE(points.empty());
+  for (const Eigen::Vector2i& px : points) EXPECT_EQ(px.y() % 2, 1);
+}
+
+TEST(SelectPoints, ABlankImageHasNone) {
+  const ImageF squared = SquaredGradientMagnitude(ImageF(320, 240, 50.0f));
+  EXPECT_TRUE(SelectPoints(squared, 500, [](int, int) { return true; }, {}).empty());
+}
+
+}  // namespace
+}  // namespace prism
