@@ -1,0 +1,187 @@
+// Fills the page from the data in it and, in a live view, from the server's events.
+'use strict';
+
+(function() {
+  const data = JSON.parse(document.getElementById('data').textContent);
+  const get = id => document.getElementById(id);
+  const view = makeView3d(get('view3d'), select);
+  const setPlot = makePlots(get('plots'));
+  let selected = 0;
+
+  function select(index) {
+    if (data.keyframes.length === 0) return;
+    selected = Math.min(Math.max(index, 0), data.keyframes.length - 1);
+    const keyframe = data.keyframes[selected];
+    get('keyframe_slider').value = selected;
+    view.select(selected, keyframe);
+    showKeyframe(keyframe, selected, data.keyframes.length, get('keyframe_image'),
+                 get('depth_legend'));
+  }
+
+  function median(values) {
+    const sorted = [...values].sort((a, b) => a - b);
+    return sorted.length ? sorted[Math.ceil(sorted.length / 2) - 1] : 0;
+  }
+  const format = (value, digits) =>
+      value === null || value === undefined ? 'none' : Number(value).toFixed(digits);
+
+  function fillTable(table, rows, header) {
+    table.replaceChildren();
+    for (const [r, row] of (header ? [header, ...rows] : rows).entries()) {
+      const line = table.insertRow();
+      row.forEach((text, i) => {
+        const cell = document.createElement(i === 0 || (header && r === 0) ? 'th' : 'td');
+        if (i > 0 && header) cell.className = 'number';
+        cell.textContent = text;
+        line.appendChild(cell);
+      });
+    }
+  }
+
+  function fillHead() {
+    const tracked = data.frames.filter(frame => frame.tracked).length;
+    get('title').textContent = document.title = data.title;
+    get('summary').textContent = `${tracked} of ${data.frames.length} frames tracked, ` +
+        `${data.frames.filter(frame => frame.keyframe).length} keyframes` +
+        (data.live ? ', running' : '') + (data.git_hash ? `, revision ${data.git_hash}` : '');
+    const problems = get('problems');
+    problems.replaceChildren();
+    const list = document.createElement(data.problems.length ? 'ul' : 'p');
+    if (data.problems.length === 0) {
+      list.className = 'fine';
+      list.textContent = data.live ? '' : 'Every frame was tracked.';
+    }
+    for (const problem of data.problems) {
+      list.appendChild(document.createElement('li')).textContent = problem;
+    }
+    problems.appendChild(list);
+  }
+
+  function fillTiles() {
+    const m = data.metrics;
+    const tiles = [];
+    if (m) {
+      tiles.push([format(m.ate_rmse_m, 4) + ' m', 'ATE RMSE, SE3'],
+                 [format(m.ate_rmse_sim3_m, 4) + ' m', 'ATE RMSE, Sim3'],
+                 [format(m.scale, 4), 'scale'],
+                 [format(m.rpe_trans_rmse_m, 4) + ' m', 'drift over 1 s'],
+                 [format(m.path_length_m, 2) + ' m', 'path']);
+    }
+    if (data.wall_seconds > 0) {
+      tiles.push([(data.frames.length / data.wall_seconds).toFixed(1), 'frames a second']);
+      tiles.push([data.peak_resident_mib.toFixed(0) + ' MiB', 'peak memory']);
+    }
+    get('tiles').replaceChildren(...tiles.map(([value, name]) => {
+      const tile = document.createElement('div');
+      tile.className = 'tile';
+      tile.appendChild(document.createElement('b')).textContent = value;
+      tile.appendChild(document.createElement('span')).textContent = name;
+      return tile;
+    }));
+  }
+
+  function fillTables() {
+    const stages = {};
+    for (const frame of data.frames) {
+      for (const [name, ms] of Object.entries(frame.ms)) (stages[name] = stages[name] || []).push(ms);
+    }
+    fillTable(get('stages'), Object.entries(stages).map(([name, ms]) => [
+      name, ms.length, median(ms).toFixed(2), Math.max(...ms).toFixed(2),
+      ms.reduce((a, b) => a + b, 0).toFixed(0)]),
+              ['stage', 'frames', 'median ms', 'largest ms', 'total ms']);
+    fillTable(get('metrics'), Object.entries(data.metrics || {}).filter(
+        ([, value]) => typeof value !== 'object').map(([name, value]) => [name, value]));
+    fillTable(get('camera'), data.camera);
+    fillTable(get('options'), Object.entries(data.options));
+  }
+
+  function fillPlots() {
+    if (data.frames.length === 0) return;
+    const start = data.frames[0].t;
+    const rows = (...keys) => data.frames.map(
+        frame => [frame.t - start, ...keys.map(key => frame.tracked ? frame[key] : null)]);
+    setPlot('rms', 'Residual RMS (intensities)', ['RMS'], rows('rms'));
+    setPlot('points', 'Points used', ['points'], rows('points'));
+    setPlot('a', 'Brightness a (log gain)', ['a'], rows('a'));
+    setPlot('b', 'Brightness b (intensities)', ['b'], rows('b'));
+    const stages = [...new Set(data.frames.flatMap(frame => Object.keys(frame.ms)))];
+    setPlot('ms', 'Stage times (ms)', stages,
+            data.frames.map(frame => [frame.t - start, ...stages.map(name => frame.ms[name] || 0)]));
+    const shifted = series => (series || []).map(([t, value]) => [t - start, value]);
+    setPlot('error', 'Position error (m)', ['error'], shifted(data.error));
+    setPlot('scale', 'Scale against ground truth, window of 3 s', ['scale'], shifted(data.scale));
+  }
+
+  function extent(values) {
+    let squared = 0;
+    for (let k = 0; k < 3; ++k) {
+      let low = Infinity, high = -Infinity;
+      for (let i = k; i < values.length; i += 3) {
+        low = Math.min(low, values[i]);
+        high = Math.max(high, values[i]);
+      }
+      if (high > low) squared += (high - low) ** 2;
+    }
+    return Math.sqrt(squared);
+  }
+
+  function fill3d() {
+    view.setExtent(extent(data.trajectory));
+    view.setTrajectory(data.trajectory);
+    view.setKeyframes(data.keyframes);
+    if (data.groundtruth) {
+      view.setGroundtruth(data.groundtruth);
+      get('groundtruth_key').hidden = get('groundtruth_control').hidden = false;
+    }
+    view.setCloud(decodeFloats(data.cloud.positions), decodeBase64(data.cloud.intensities));
+    get('keyframe_slider').max = Math.max(data.keyframes.length - 1, 0);
+  }
+
+  function fillAll() {
+    fillHead();
+    fillTiles();
+    fillTables();
+    fillPlots();
+    fill3d();
+  }
+
+  get('previous_keyframe').onclick = () => select(selected - 1);
+  get('next_keyframe').onclick = () => select(selected + 1);
+  get('keyframe_slider').oninput = event => select(Number(event.target.value));
+  get('reset_view').onclick = () => view.reset();
+  for (const name of ['cloud', 'keyframes', 'groundtruth']) {
+    get('show_' + name).onchange = event => view.setVisible(name, event.target.checked);
+  }
+  fillAll();
+  view.reset();
+  select(0);
+
+  // Live: each event holds what is new; the page is redrawn twice a second at most.
+  if (data.live) {
+    let waiting = false;
+    const events = new EventSource('events');
+    events.onmessage = event => {
+      const update = JSON.parse(event.data);
+      data.frames.push(...update.frames);
+      data.trajectory.push(...update.trajectory);
+      data.keyframes.push(...update.keyframes);
+      if (update.problems) data.problems = update.problems;
+      if (update.done) {
+        events.close();
+        data.live = false;
+      }
+      if (waiting) return;
+      waiting = true;
+      setTimeout(() => {
+        waiting = false;
+        const isFirst = document.body.dataset.started === undefined;
+        document.body.dataset.started = 'yes';
+        fillAll();
+        if (isFirst) view.reset();
+        select(data.keyframes.length - 1);
+      }, 500);
+    };
+  }
+  window.prismReport = {view, data};
+  document.body.dataset.ready = 'yes';
+})();

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "prism/eval/metrics.h"
+#include "prism/image/image.h"
+#include "prism/scene/trajectory.h"
+
+namespace prism {
+
+struct ReportFrame {
+  int64_t time_ns = 0;
+  std::string status;  // any text; shown where the frame was not tracked
+  bool is_tracked = false;
+  bool is_keyframe = false;
+  int segment = 0;
+  // Only of tracked frames.
+  double residual_rms = 0;                 // intensities, 0 to 255
+  int points = 0;                          // used by the alignment
+  double brightness_a = 0;                 // affine brightness, log gain and offset
+  double brightness_b = 0;                 // intensities
+  std::map<std::string, double> stage_ms;  // time spent on this frame, by stage
+};
+
+struct ReportKeyframe {
+  struct Point {
+    float x = 0;  // px of the image
+    float y = 0;
+    float depth_m = 0;
+  };
+  int64_t time_ns = 0;
+  SE3 world_from_cam;
+  std::string jpeg;  // the encoded image
+  int width = 0;     // px
+  int height = 0;
+  std::vector<Point> points;
+};
+
+struct ReportCloudPoint {
+  Eigen::Vector3f p_in_world = Eigen::Vector3f::Zero();  // metres
+  uint8_t intensity = 0;
+};
+
+// All that report.html shows of a run. World is the one of `trajectory`.
+struct RunReport {
+  std::string title;
+  std::string git_hash;
+  double wall_seconds = 0;
+  double peak_resident_mib = 0;
+  std::map<std::string, std::string> options;
+  std::vector<std::pair<std::string, std::string>> camera;  // name (with unit) and value
+  std::vector<ReportFrame> frames;                          // in order of time
+  Trajectory trajectory;                                    // tracked frames
+  std::vector<ReportKeyframe> keyframes;                    // in order of time
+  std::vector<ReportCloudPoint> cloud;
+  Trajectory groundtruth;                    // in its own world; empty: none
+  std::optional<TrajectoryMetrics> metrics;  // of trajectory against groundtruth
+};
+
+// A keyframe's image, gray 0 to 255, halved until it is at most max_width wide, as JPEG; sets jpeg,
+// width and height and returns the factor from the image's pixels to those of the thumbnail.
+double SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyframe);
+
+// What went wrong, worst first: "frames 12 to 15 lost (no texture)", "3 segments".
+std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames);
+
+// The data of the page. At most 60,000 points of the cloud are taken, evenly.
+nlohmann::json ReportToJson(const RunReport& report);
+nlohmann::json FrameToReportJson(const ReportFrame& frame);
+nlohmann::json KeyframeToReportJson(const ReportKeyframe& keyframe);
+
+// The whole page as one HTML text with all scripts and styles inside; it needs no network. `live`:
+// the page asks the server it came from for what happens further (see live_view.h).
+std::string FormatReport(const RunReport& report, bool live = false);
+
+// Writes FormatReport, whole or not at all. Throws InputError if that cannot be done.
+void WriteReport(const std::string& path, const RunReport& report);
+
+}  // namespace prism

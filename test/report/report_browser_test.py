@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: The PRISM-VO developers
+# SPDX-License-Identifier: BSD-3-Clause
+"""report_browser_test.py WRITE_SAMPLE_REPORT: the report of 228 frames in a headless Chromium.
+
+Exit status 77 (skipped) where Chromium or its driver is not installed.
+"""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+import browser
+
+# The colours of what the canvas shows: background only, or a picture.
+CANVAS_COLORS = """
+const canvas = document.querySelector('#view3d canvas');
+window.prismReport.view.render();
+const gl = canvas.getContext('webgl2') || canvas.getContext('webgl');
+const pixels = new Uint8Array(4 * canvas.width * canvas.height);
+gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+const colors = new Set();
+for (let i = 0; i < pixels.length; i += 4) {
+  colors.add(pixels[i] << 16 | pixels[i + 1] << 8 | pixels[i + 2]);
+}
+return colors.size;
+"""
+
+# How many pixels of the keyframe's image are not gray: its points.
+COLORED_PIXELS = """
+const canvas = document.getElementById('keyframe_image');
+const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+let count = 0;
+for (let i = 0; i < data.length; i += 4) count += Math.abs(data[i] - data[i + 2]) > 60;
+return count;
+"""
+
+
+def check(condition, message):
+    if not condition:
+        raise AssertionError(message)
+
+
+def check_page(page, url, width):
+    start = time.monotonic()
+    page.open(url)
+    check(page.wait_for("document.body.dataset.ready === 'yes'"), "the page is not ready")
+    seconds = time.monotonic() - start
+    check(seconds < 3, f"the page opens in {seconds:.2f} s, not in under 3 s")
+    check("sample </script> & <run>" == page.run("return document.title;"), "wrong title")
+    check("frames 100 to 103 not tracked (no texture)"
+          in page.run("return document.getElementById('problems').textContent;"), "no problems")
+    check(page.run("return document.querySelectorAll('.plot canvas').length;") >= 7, "no plots")
+    colors = page.run(CANVAS_COLORS)
+    check(colors > 50, f"the 3D view is blank: {colors} colours")
+    overflow = page.run("return document.documentElement.scrollWidth;") - width
+    check(overflow <= 0, f"the page is {overflow} px wider than the screen")
+    return seconds
+
+
+def check_keyframes(page):
+    # The last keyframe stands at the end of the path, free of others; it is on the screen.
+    page.run("document.getElementById('view3d').scrollIntoView({block: 'center'});")
+    last = page.run("return window.prismReport.data.keyframes.length - 1;")
+    spot = page.run(f"""
+        const box = document.querySelector('#view3d canvas').getBoundingClientRect();
+        const p = window.prismReport.view.screenPosition({last});
+        return {{x: box.left + p.x, y: box.top + p.y}};""")
+    page.click(spot["x"], spot["y"])
+    shown = "document.getElementById('keyframe_image').dataset.keyframe"
+    check(page.wait_for(f"{shown} === '{last}'"), "a click on a keyframe does not show its image")
+    check(page.run(COLORED_PIXELS) > 500, "the keyframe's points are not drawn")
+    page.run("document.getElementById('view3d').focus();")
+    page.press("p")
+    check(page.wait_for(f"{shown} === '{last - 1}'"), "the key P does not go to a keyframe")
+
+
+def main():
+    missing = browser.missing_programs()
+    if missing:
+        print(f"skipped: {' and '.join(missing)} not installed (apt-get install chromium-driver)")
+        return 77
+    with tempfile.TemporaryDirectory() as folder:
+        report = pathlib.Path(folder) / "report.html"
+        subprocess.run([sys.argv[1], str(report)], check=True)
+        mib = report.stat().st_size / 2**20
+        check(mib < 15, f"the report has {mib:.1f} MiB, not under 15")
+        for name, width, dark in (("desktop", 1280, False), ("phone", 390, False),
+                                  ("dark", 1280, True)):
+            with browser.Browser(width, 900, dark) as page:
+                seconds = check_page(page, report.as_uri(), width)
+                check_keyframes(page)
+                if "PRISM_SCREENSHOTS" in os.environ:
+                    shots = pathlib.Path(os.environ["PRISM_SCREENSHOTS"])
+                    page.run("window.scrollTo(0, 0);")
+                    page.screenshot(shots / f"{name}.png", whole_page=True)
+                check(not page.errors(), f"console errors: {page.errors()}")
+                print(f"{name}: {mib:.1f} MiB, ready in {seconds:.2f} s")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
