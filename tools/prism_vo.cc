@@ -18,7 +18,9 @@
 #include "prism/io/ply_file.h"
 #include "prism/io/trajectory_file.h"
 #include "prism/odometry/odometry.h"
+#include "prism/report/run_report.h"
 #include "tools/frame_source.h"
+#include "tools/report_recorder.h"
 #include "tools/run_record.h"
 #include "tools/tool_main.h"
 
@@ -159,6 +161,7 @@ ExitStatus Run() {
   record.camera = source.camera;
   record.sequence_format = source.format;
   Odometry odometry(source.camera, odometry_options);
+  ReportRecorder recorder;
   Prefetcher frames(source);
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] {
@@ -166,6 +169,7 @@ ExitStatus Run() {
   };
   for (int i = 0; i < source.size(); ++i) {
     record.frames.push_back(odometry.Process(frames.Next()));
+    recorder.Add(record.frames.back(), odometry);
     ShowProgress(record, record.frames.back(), source.size(), seconds());
   }
   record.wall_seconds = seconds();
@@ -189,6 +193,8 @@ ExitStatus Run() {
     WriteTextAtomically(InOutput("metrics.json"), MetricsToJson(metrics).dump(1) + "\n");
     PrintMetrics(metrics);
   }
+  WriteReport(InOutput("report.html"),
+              recorder.Finish(record, odometry, FLAGS_ping_pong <= 1 ? groundtruth : Trajectory()));
   return CountTracked(record.frames) > 0 ? kExitDone : kExitRunFailed;
 }
 
