@@ -43,7 +43,9 @@ DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D inpu
 DEFINE_int32(window_keyframes, 7, "Keyframes in the sliding window.");
 DEFINE_int32(active_points, 2000, "Points in the sliding window.");
 DEFINE_int32(iterations, 4, "Iterations of each window optimisation.");
-DEFINE_double(intensity_sigma, 4, "Standard deviation of a photometric residual, 0 to 255.");
+DEFINE_double(photometric_model_sigma,
+              3.5,
+              "Photometric error beside the measured image noise, 0 to 255.");
 DEFINE_bool(depth_residual,
             true,
             "Inverse virtual depth residuals; false is the ablation without.");
@@ -63,7 +65,7 @@ OdometryOptions OptionsFromFlags() {
   options.window.max_points = FLAGS_active_points;
   options.window.max_iterations = FLAGS_iterations;
   options.window.threads = FLAGS_threads;
-  options.window.photometric.intensity_sigma = FLAGS_intensity_sigma;
+  options.photometric_model_sigma = FLAGS_photometric_model_sigma;
   options.window.depth_residual = FLAGS_depth_residual;
   options.window.marginalization_prior = FLAGS_marginalization_prior;
   options.window.first_estimate_jacobians = FLAGS_first_estimate_jacobians;
@@ -145,6 +147,16 @@ void PrintMetrics(const TrajectoryMetrics& metrics) {
                 metrics.sim3->scale_error_percent);
   }
   std::printf(", path %.3f m\n", metrics.path_length_m);
+  if (metrics.segments.size() < 2) return;
+  for (const SegmentMetrics& segment : metrics.segments) {
+    std::printf("  segment from %.3f s to %.3f s: %d poses",
+                1e-9 * static_cast<double>(segment.start_ns),
+                1e-9 * static_cast<double>(segment.end_ns),
+                segment.matched_count);
+    if (segment.ate_rmse_m) std::printf(", ATE %.4f m", *segment.ate_rmse_m);
+    if (segment.scale) std::printf(", scale %.4f", *segment.scale);
+    std::printf(", path %.3f m\n", segment.path_length_m);
+  }
 }
 
 ExitStatus Run() {
@@ -174,6 +186,7 @@ ExitStatus Run() {
   }
   record.wall_seconds = seconds();
   record.stages = odometry.timer().Summarize();
+  record.intensity_sigma = odometry.intensity_sigma();
 
   const Trajectory trajectory = odometry.FrameTrajectory();
   WriteTrajectory(InOutput("trajectory.txt"), trajectory);
@@ -189,7 +202,9 @@ ExitStatus Run() {
       PeakResidentMib(),
       FLAGS_output_dir.c_str());
   if (!groundtruth.empty() && FLAGS_ping_pong <= 1) {
-    const TrajectoryMetrics metrics = EvaluateTrajectory(groundtruth, trajectory);
+    EvaluationOptions evaluation;
+    evaluation.segment_starts_ns = SegmentStarts(record.frames);
+    const TrajectoryMetrics metrics = EvaluateTrajectory(groundtruth, trajectory, evaluation);
     WriteTextAtomically(InOutput("metrics.json"), MetricsToJson(metrics).dump(1) + "\n");
     PrintMetrics(metrics);
   }

@@ -30,6 +30,21 @@ nlohmann::ordered_json FrameToJson(const FrameResult& frame) {
   return json;
 }
 
+nlohmann::ordered_json SegmentsToJson(const std::vector<FrameResult>& frames) {
+  nlohmann::ordered_json segments = nlohmann::ordered_json::array();
+  for (const FrameResult& frame : frames) {
+    if (frame.status != FrameStatus::kTracked) continue;
+    const double time = 1e-9 * static_cast<double>(frame.time_ns);
+    if (segments.empty() || segments.back()["segment"] != frame.segment) {
+      segments.push_back(
+          {{"segment", frame.segment}, {"start", time}, {"end", time}, {"tracked_count", 0}});
+    }
+    segments.back()["end"] = time;
+    segments.back()["tracked_count"] = segments.back()["tracked_count"].get<int>() + 1;
+  }
+  return segments;
+}
+
 nlohmann::ordered_json CameraToJson(const std::string& path, const PlenopticCamera& camera) {
   nlohmann::ordered_json json;
   json["file"] = path;
@@ -66,6 +81,17 @@ int CountKeyframes(const std::vector<FrameResult>& frames) {
       frames.begin(), frames.end(), [](const FrameResult& frame) { return frame.is_keyframe; }));
 }
 
+std::vector<int64_t> SegmentStarts(const std::vector<FrameResult>& frames) {
+  std::vector<int64_t> starts;
+  int segment = 0;
+  for (const FrameResult& frame : frames) {
+    if (frame.segment == segment || frame.status != FrameStatus::kTracked) continue;
+    segment = frame.segment;
+    starts.push_back(frame.time_ns);
+  }
+  return starts;
+}
+
 double PeakResidentMib() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -90,6 +116,8 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["peak_resident_mib"] = PeakResidentMib();
   json["photometric_variance_factor"] = MedianFactor(record.frames, &VarianceFactors::photometric);
   json["depth_variance_factor"] = MedianFactor(record.frames, &VarianceFactors::depth);
+  json["intensity_sigma"] = record.intensity_sigma;
+  json["segments"] = SegmentsToJson(record.frames);
   for (const auto& [stage, summary] : record.stages) {
     json["stages"][stage] = {{"count", summary.count},
                              {"median_ms", summary.median_ms},

@@ -23,10 +23,14 @@ struct RunRecord {
   std::vector<FrameResult> frames;
   std::map<std::string, StageTimer::Summary> stages;
   double wall_seconds = 0;
+  double intensity_sigma = 0;  // photometric residuals were weighted by it
 };
 
 int CountTracked(const std::vector<FrameResult>& frames);
 int CountKeyframes(const std::vector<FrameResult>& frames);
+
+// Times of the first tracked frame of every segment but the first, ns.
+std::vector<int64_t> SegmentStarts(const std::vector<FrameResult>& frames);
 
 // Largest resident set of this process so far, MiB.
 double PeakResidentMib();

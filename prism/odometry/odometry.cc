@@ -8,6 +8,8 @@
 
 #include <glog/logging.h>
 
+#include "prism/image/noise.h"
+
 namespace prism {
 
 bool OdometryOptions::IsValid(std::string* error) const {
@@ -135,6 +137,9 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   keyframe->id = next_keyframe_id_;
   keyframe->frame = std::move(frame);
   keyframe->state = FrameState(last_pose_, 0, 0);
+  const double noise = EstimateImageNoise(keyframe->frame->image[0]);
+  options_.window.photometric.intensity_sigma =
+      std::hypot(std::sqrt(2.0) * noise, options_.photometric_model_sigma);
   window_.keyframes.push_back(std::move(keyframe));
   ActivatePoints();
   if (window_.NumPoints() < options_.min_start_points) {

@@ -32,6 +32,10 @@ struct OdometryOptions {
   CandidateOptions candidates;
   OutlierOptions outliers;
   RetirementOptions retirement;
+  // Standard deviation of what makes photometric residuals beside noise (interpolation, depth
+  // edges, reflections), 0 to 255. With the noise measured in the first image n, residuals are
+  // weighted by sqrt(2 n^2 + this^2).
+  double photometric_model_sigma = 3.5;
   int max_new_points = 600;    // activated per keyframe
   int min_point_distance = 4;  // px between active points in the newest keyframe
   int min_start_points = 100;  // with depth, to start a segment
@@ -80,6 +84,8 @@ class Odometry {
   // Points that left the window and those in it, by the final poses of their keyframes.
   std::vector<MapPoint> MapPoints() const;
 
+  // Standard deviation photometric residuals are weighted by; 0 before the first frame.
+  double intensity_sigma() const { return options_.window.photometric.intensity_sigma; }
   const Window& window() const { return window_; }
   const StageTimer& timer() const { return timer_; }
 

@@ -6,6 +6,7 @@
 
 #include "prism/base/random.h"
 #include "prism/image/interpolation.h"
+#include "prism/image/noise.h"
 #include "prism/image/pyramid.h"
 
 namespace prism {
@@ -81,6 +82,24 @@ TEST(SquaredGradientMagnitude, OfARampIsItsSlopeSquared) {
   const ImageF squared = SquaredGradientMagnitude(ramp);
   EXPECT_FLOAT_EQ(squared(5, 5), 25);
   EXPECT_FLOAT_EQ(squared(0, 5), 0);
+}
+
+TEST(EstimateImageNoise, FindsTheNoiseUnderATexture) {
+  std::mt19937_64 generator = SeededGenerator(11, 0);
+  for (const float sigma : {1.0f, 4.0f}) {
+    std::normal_distribution<float> noise(0, sigma);
+    ImageF image(200, 200);
+    for (int y = 0; y < 200; ++y) {
+      for (int x = 0; x < 200; ++x) {
+        image(x, y) = 128 + 50 * std::sin(0.1f * x) * std::cos(0.07f * y) + noise(generator);
+      }
+    }
+    EXPECT_NEAR(EstimateImageNoise(image), sigma, 0.1 * sigma);
+  }
+}
+
+TEST(EstimateImageNoise, IsZeroWhereEverythingIsClipped) {
+  EXPECT_EQ(EstimateImageNoise(ImageF(50, 50, 255.0f)), 0);
 }
 
 }  // namespace
