@@ -76,6 +76,14 @@ RgbdSequence::RgbdSequence(const std::string& folder,
                      "neither associations.txt nor rgb.txt and depth.txt",
                      "a sequence in TUM RGB-D layout");
   }
+  // A missing image is better known now than after half of the run.
+  for (const Entry& entry : entries_) {
+    for (const std::string& path : {entry.image_path, entry.depth_path}) {
+      if (!Exists(folder, path.c_str())) {
+        throw InputError(InFolder(folder, path), "no such file", "an image of the sequence");
+      }
+    }
+  }
 }
 
 LightFieldFrame RgbdSequence::Read(int index) const {
