@@ -1,0 +1,345 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/lightfield/depth.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glog/logging.h>
+#include <tbb/parallel_for.h>
+
+#include "prism/lightfield/focused_image.h"
+#include "prism/lightfield/patch_kernel.h"
+
+namespace prism {
+namespace {
+
+constexpr int kBlock = 8;               // raw px a side of a texture block
+constexpr float kSmoothNoise = 0.375f;  // noise of PreparedRaw::smooth over that of gray
+// Variance of one gradient component of the interpolated smooth image over that of gray's noise.
+constexpr float kGradientNoise = 0.08f;
+constexpr float kMargin = kPatchRadius + 7;  // px: the kernel reads kPatchLanes + 1 pixels a row
+constexpr int kMaxHypotheses = 64;
+constexpr int kMaxSearched = 7;  // lenses in the search, nearest to the chief ray first
+constexpr int kMaxRefined = 14;  // lenses in the refinement
+
+using Samples = std::array<PatchSample, LensTable::kMaxViews>;
+
+// What noise alone adds to PatchSums::hessian: sum p q |d(x, y)/dw|^2 times the gradient's
+// variance.
+float NoiseHessian(const Samples& samples, int count, const PatchSums& sums, float noise) {
+  float baseline = 0;
+  float weight = 0;
+  for (int k = 0; k < count; ++k) {
+    const PatchSample& sample = samples[k];
+    weight += sample.weight;
+    baseline += sample.weight * (sample.dx * sample.dx + sample.dy * sample.dy);
+  }
+  return kGradientNoise * noise * noise * sums.freedom * baseline / weight;
+}
+
+// Points the samples at the patches around the views. Views keep their index.
+int PlaceSamples(const PreparedRaw& raw,
+                 const LensTable& lenses,
+                 const MicroLensGrid& grid,
+                 const LensView* views,
+                 int count,
+                 float w,
+                 Samples* samples) {
+  const int stride = raw.smooth.width();
+  for (int k = 0; k < count; ++k) {
+    const LensView& view = views[k];
+    const int x0 = static_cast<int>(view.x);
+    const int y0 = static_cast<int>(view.y);
+    const std::ptrdiff_t start =
+        static_cast<std::ptrdiff_t>(y0 - kPatchRadius) * stride + x0 - kPatchRadius;
+    const Lens& lens = lenses.lenses()[view.lens];
+    (*samples)[k] = {raw.smooth.data() + start,
+                     raw.lens_colour.data() + start,
+                     view.x - static_cast<float>(x0),
+                     view.y - static_cast<float>(y0),
+                     view.dx,
+                     view.dy,
+                     static_cast<float>(lens.colour + 1),
+                     TypeSharpness(grid, lens.type, w)};
+  }
+  return count;
+}
+
+}  // namespace
+
+bool DepthOptions::IsValid(std::string* error) const {
+  if (!(min_inverse_virtual_depth > 0 && min_inverse_virtual_depth < max_inverse_virtual_depth &&
+        max_inverse_virtual_depth <= 0.5)) {
+    *error = "search range of 1/v from " + std::to_string(min_inverse_virtual_depth) + " to " +
+             std::to_string(max_inverse_virtual_depth) + ", expected 0 < min < max <= 0.5";
+  } else if (!(search_step * (kMaxHypotheses - 1) >=
+               max_inverse_virtual_depth - min_inverse_virtual_depth)) {
+    *error = "search_step of " + std::to_string(search_step) + ", expected at most 63 steps";
+  } else if (!(seed_spacing >= 1 && seed_spacing <= 8)) {
+    *error = "seed_spacing of " + std::to_string(seed_spacing) + ", expected 1 to 8";
+  } else if (!(min_gradient >= 0 && max_sigma > 0 && ambiguity >= 1 && max_residual > 0 &&
+               sigma_floor >= 0 && noise_factor > 0)) {
+    *error =
+        "a negative threshold, expected min_gradient, max_sigma, max_residual, sigma_floor, "
+        "noise_factor >= 0 and ambiguity >= 1";
+  } else {
+    return true;
+  }
+  return false;
+}
+
+DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
+                               const LensTable& lenses,
+                               const DepthOptions& options)
+    : width_(camera.focused_width()),
+      height_(camera.focused_height()),
+      scale_(camera.focused_scale),
+      lenses_(lenses),
+      options_(options),
+      grid_(*camera.micro_lens_grid),
+      block_width_((camera.raw_width + kBlock - 1) / kBlock),
+      seed_width_((width_ + options.seed_spacing - 1) / options.seed_spacing),
+      seed_height_((height_ + options.seed_spacing - 1) / options.seed_spacing) {
+  std::string error;
+  CHECK(options.IsValid(&error)) << error;
+  textured_.resize(static_cast<size_t>(block_width_) * ((camera.raw_height + kBlock - 1) / kBlock));
+  seeds_.resize(static_cast<size_t>(seed_width_) * seed_height_);
+  raw_depth_ = ImageF(width_, height_);
+  raw_sigma_ = ImageF(width_, height_);
+}
+
+void DepthEstimator::MeasureTexture(const PreparedRaw& raw) {
+  // gray - smooth of white noise has 0.8 of its standard deviation; the median absolute value of a
+  // Gaussian is 0.6745 of it.
+  std::array<int, 1024> histogram{};
+  int total = 0;
+  const int height = raw.gray.height();
+  const int width = raw.gray.width();
+  for (int y = 1; y < height - 1; y += 5) {
+    for (int x = 1; x < width - 1; ++x) {
+      if (raw.lens_colour(x, y) == 0) continue;
+      const float difference = std::abs(raw.gray(x, y) - raw.smooth(x, y));
+      if (difference == 0) continue;  // not filtered
+      ++histogram[std::min(static_cast<int>(difference * 32), 1023)];
+      ++total;
+    }
+  }
+  int bin = 0;
+  for (int seen = histogram[0]; bin < 1023 && 2 * seen < total; seen += histogram[++bin]) {
+  }
+  noise_ = std::max((bin + 0.5) / 32 / (0.8 * 0.6745), 0.3);
+
+  const float threshold = static_cast<float>(options_.min_gradient * noise_ * kSmoothNoise);
+  const float threshold_squared = threshold * threshold;
+  const int block_height = static_cast<int>(textured_.size()) / block_width_;
+  tbb::parallel_for(0, block_height, [&](int by) {
+    for (int bx = 0; bx < block_width_; ++bx) {
+      int count = 0;
+      for (int y = by * kBlock; y < std::min((by + 1) * kBlock, height - 1); ++y) {
+        const float* row = raw.smooth.row(y);
+        const float* below = raw.smooth.row(y + 1);
+        const float* colour = raw.lens_colour.row(y);
+        for (int x = bx * kBlock; x < std::min((bx + 1) * kBlock, width - 1); ++x) {
+          const float dx = row[x + 1] - row[x];
+          const float dy = below[x] - row[x];
+          count += colour[x] != 0 && dx * dx + dy * dy > threshold_squared;
+        }
+      }
+      textured_[static_cast<size_t>(by) * block_width_ + bx] =
+          static_cast<uint8_t>(std::min(count, 255));
+    }
+  });
+}
+
+DepthEstimator::Estimated DepthEstimator::Refine(
+    const PreparedRaw& raw, float X, float Y, float w, int iterations) const {
+  LensView views[LensTable::kMaxViews];
+  Samples samples;
+  const float radius = lenses_.radius_px() - 1;
+  const float noise = static_cast<float>(noise_) * kSmoothNoise;
+  const int count = std::min(lenses_.ViewsOf(X, Y, w, radius, kMargin, views), kMaxRefined);
+  if (count < 2) return {};
+  const float start = w;
+  const float max_step = static_cast<float>(options_.search_step);
+  PatchSums sums{};
+  for (int iteration = 0; iteration <= iterations; ++iteration) {
+    PlaceSamples(raw, lenses_, grid_, views, count, w, &samples);
+    sums = SumPatches(samples.data(), count, raw.smooth.width());
+    if (!(sums.hessian > 0)) return {};
+    if (iteration == iterations) break;
+    const float step = std::clamp(-sums.gradient / sums.hessian, -max_step, max_step);
+    w += step;
+    if (std::abs(w - start) > 2 * max_step) return {};
+    for (int k = 0; k < count; ++k) {
+      views[k].x += step * views[k].dx;
+      views[k].y += step * views[k].dy;
+      if (!raw.smooth.view().Contains(views[k].x, views[k].y, kMargin)) return {};
+    }
+    if (std::abs(step) < 2e-5f) iteration = iterations - 1;
+  }
+  if (!(w >= options_.min_inverse_virtual_depth && w <= options_.max_inverse_virtual_depth) ||
+      sums.freedom < 4) {
+    return {};
+  }
+  const float gray_noise = static_cast<float>(noise_);
+  const float noise_hessian = NoiseHessian(samples, count, sums, gray_noise);
+  const float hessian = sums.hessian - noise_hessian;
+  if (hessian < options_.min_information * noise_hessian) return {};
+  const float residual = std::max(sums.cost, 0.0f) / sums.freedom / (noise * noise);
+  const float variance = std::max(residual, 1.0f) * noise * noise / hessian;
+  const float factor = static_cast<float>(options_.noise_factor);
+  const float floor = static_cast<float>(options_.sigma_floor);
+  Estimated result;
+  result.w = w;
+  result.sigma = std::sqrt(factor * factor * variance + floor * floor);
+  result.residual = residual;
+  if (result.sigma > options_.max_sigma ||
+      residual > options_.max_residual * options_.max_residual) {
+    return {};
+  }
+  return result;
+}
+
+DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X, float Y) const {
+  LensView views[LensTable::kMaxViews];
+  Samples samples;
+  const float min_w = static_cast<float>(options_.min_inverse_virtual_depth);
+  const float step = static_cast<float>(options_.search_step);
+  const int count_w =
+      1 + static_cast<int>(std::floor((options_.max_inverse_virtual_depth - min_w) / step));
+  const float middle = 0.3f;
+  if (lenses_.ViewsOf(X, Y, middle, lenses_.radius_px(), kMargin, views) == 0) return {};
+  const int bx = static_cast<int>(views[0].x) / kBlock;
+  const int by = static_cast<int>(views[0].y) / kBlock;
+  int texture = 0;
+  for (int y = std::max(by - 1, 0); y <= by + 1; ++y) {
+    for (int x = std::max(bx - 1, 0); x <= std::min(bx + 1, block_width_ - 1); ++x) {
+      const size_t block = static_cast<size_t>(y) * block_width_ + x;
+      if (block < textured_.size()) texture += textured_[block];
+    }
+  }
+  if (texture < 8) return {};
+
+  const float noise = static_cast<float>(noise_) * kSmoothNoise;
+  std::array<float, kMaxHypotheses> cost;
+  std::array<float, kMaxHypotheses> freedom;
+  int best = -1;
+  for (int h = 0; h < count_w; ++h) {
+    const float w = min_w + step * static_cast<float>(h);
+    cost[h] = 1e30f;
+    const int count =
+        std::min(lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 2, kMargin, views), kMaxSearched);
+    if (count < 2) continue;
+    PlaceSamples(raw, lenses_, grid_, views, count, w, &samples);
+    const PatchSums sums = SumPatches(samples.data(), count, raw.smooth.width());
+    if (sums.freedom < 4) continue;
+    cost[h] = sums.cost / sums.freedom;
+    freedom[h] = sums.freedom;
+    if (best < 0 || cost[h] < cost[best]) best = h;
+  }
+  if (best < 0) return {};
+  // A second minimum nearly as low, away from the first, makes the match ambiguous.
+  const float scale = std::max(cost[best], noise * noise);
+  const float ambiguity = static_cast<float>(options_.ambiguity);
+  for (int h = 0; h < count_w; ++h) {
+    if (std::abs(h - best) <= 2 || cost[h] > 1e29f) continue;
+    if (freedom[h] * (cost[h] - cost[best]) < ambiguity * scale) return {};
+  }
+  return Refine(raw, X, Y, min_w + step * static_cast<float>(best), 4);
+}
+
+DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw,
+                                                          int x,
+                                                          int y) const {
+  const int spacing = options_.seed_spacing;
+  const int sx = x / spacing;
+  const int sy = y / spacing;
+  const float X = (static_cast<float>(x) + 0.5f) * static_cast<float>(scale_) - 0.5f;
+  const float Y = (static_cast<float>(y) + 0.5f) * static_cast<float>(scale_) - 0.5f;
+  // The most certain seed around, and the most certain that disagrees with it.
+  const Estimated* first = nullptr;
+  const Estimated* second = nullptr;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int j = std::max(sy - 1, 0); j <= std::min(sy + 1, seed_height_ - 1); ++j) {
+      for (int i = std::max(sx - 1, 0); i <= std::min(sx + 1, seed_width_ - 1); ++i) {
+        const Estimated& seed = seeds_[static_cast<size_t>(j) * seed_width_ + i];
+        if (seed.w == 0) continue;
+        if (pass == 0) {
+          if (!first || seed.sigma < first->sigma) first = &seed;
+        } else if (std::abs(seed.w - first->w) > 0.02f) {
+          if (!second || seed.sigma < second->sigma) second = &seed;
+        }
+      }
+    }
+    if (!first) return {};
+  }
+  Estimated result = Refine(raw, X, Y, first->w, 2);
+  if (second) {
+    const Estimated other = Refine(raw, X, Y, second->w, 2);
+    if (other.w > 0 && (result.w == 0 || other.residual < result.residual)) result = other;
+  }
+  return result;
+}
+
+void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma) {
+  constexpr int kReach = 3;
+  tbb::parallel_for(0, height_, [&](int y) {
+    for (int x = 0; x < width_; ++x) {
+      const float w = raw_depth_(x, y);
+      (*inverse_virtual_depth)(x, y) = 0;
+      (*sigma)(x, y) = 0;
+      if (w == 0) continue;
+      int agree = 0;
+      int disagree = 0;
+      float sum = 0;
+      float weight = 0;
+      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, height_ - 1); ++v) {
+        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, width_ - 1); ++u) {
+          const float other = raw_depth_(u, v);
+          if (other == 0) continue;
+          const float sigma_other = raw_sigma_(u, v);
+          if (std::abs(other - w) < 2 * (raw_sigma_(x, y) + sigma_other)) {
+            ++agree;
+            const float far = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
+            const float information = 1 / (sigma_other * sigma_other * (1 + 0.25f * far));
+            sum += information * other;
+            weight += information;
+          } else {
+            ++disagree;
+          }
+        }
+      }
+      if (agree < 8 || 2 * disagree > agree) continue;
+      (*inverse_virtual_depth)(x, y) = sum / weight;
+      (*sigma)(x, y) = raw_sigma_(x, y);
+    }
+  });
+}
+
+void DepthEstimator::Estimate(const PreparedRaw& raw,
+                              ImageF* inverse_virtual_depth,
+                              ImageF* sigma) {
+  MeasureTexture(raw);
+  const int spacing = options_.seed_spacing;
+  tbb::parallel_for(0, seed_height_, [&](int j) {
+    for (int i = 0; i < seed_width_; ++i) {
+      const float x = static_cast<float>(i * spacing + spacing / 2);
+      const float y = static_cast<float>(j * spacing + spacing / 2);
+      const float scale = static_cast<float>(scale_);
+      seeds_[static_cast<size_t>(j) * seed_width_ + i] =
+          Search(raw, (x + 0.5f) * scale - 0.5f, (y + 0.5f) * scale - 0.5f);
+    }
+  });
+  tbb::parallel_for(0, height_, [&](int y) {
+    for (int x = 0; x < width_; ++x) {
+      const Estimated estimated = RefineFromSeeds(raw, x, y);
+      raw_depth_(x, y) = estimated.w;
+      raw_sigma_(x, y) = estimated.sigma;
+    }
+  });
+  FuseNeighbours(inverse_virtual_depth, sigma);
+}
+
+}  // namespace prism

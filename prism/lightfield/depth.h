@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/image/image.h"
+#include "prism/lightfield/lens_table.h"
+#include "prism/lightfield/preparation.h"
+
+namespace prism {
+
+struct DepthOptions {
+  double min_inverse_virtual_depth = 0.10;  // 1/v searched from
+  double max_inverse_virtual_depth = 0.48;  // to; at most 0.5
+  double search_step = 0.02;                // in 1/v; half a pixel between neighbouring lenses
+  int seed_spacing = 5;                     // focused px between the points searched in full
+  double min_gradient = 3;                  // in raw noise; weaker pixels are not searched
+  double max_sigma = 0.02;                  // of 1/v; less certain estimates are dropped
+  double ambiguity = 20;                    // chi square between best and any other match, at least
+  double min_information = 3;               // of the gradients over what noise alone pretends
+  double max_residual = 4;                  // RMS over the noise, at most; occlusions exceed it
+  double sigma_floor = 0.0015;              // of 1/v, model errors
+  double noise_factor = 2.5;                // on sigma: correlated noise, slant within a patch
+
+  bool IsValid(std::string* error) const;
+};
+
+// Inverse virtual depth w = 1/v on the focused grid, semi-dense, with its standard deviation.
+//
+// A focused pixel X is a virtual point; hypothesis w says where each lens sees it. Around each of
+// those positions lies a patch of 7 x 7 raw px. The estimate is the w at which the patches of all
+// lenses differ least from their mean (PatchSums), which treats all lenses alike and so has no
+// preferred direction. Short and long baselines enter together, weighted by themselves since the
+// derivative of a sample by w is its gradient times its baseline.
+//
+// 1. Seeds: at every seed_spacing-th pixel with texture, w is swept over its range and the minimum
+//    of the mean squared difference refined by Gauss-Newton. Flat or double minima are dropped.
+// 2. Every pixel near a seed starts from it and is refined with a lens set held fixed.
+// 3. Estimates that a third of their neighbours contradict are dropped; the others become the mean
+//    of the neighbours that agree, weighted by information. Neighbours share raw pixels, so sigma
+//    stays that of one estimate.
+//
+// sigma^2 = noise_factor^2 s^2 / hessian + sigma_floor^2 with s^2 the larger of the image noise and
+// the mean squared residual.
+class DepthEstimator {
+ public:
+  // `lenses` must outlive this.
+  DepthEstimator(const PlenopticCamera& camera,
+                 const LensTable& lenses,
+                 const DepthOptions& options);
+
+  // Both outputs on the focused grid, 0 = no measurement. Deterministic, independent of threads.
+  void Estimate(const PreparedRaw& raw, ImageF* inverse_virtual_depth, ImageF* sigma);
+
+  // Standard deviation of the noise of PreparedRaw::gray found in the last frame, 0 to 255.
+  double noise() const { return noise_; }
+
+ private:
+  struct Estimated {
+    float w = 0;  // 0: none
+    float sigma = 0;
+    float residual = 0;  // mean squared, relative to the noise
+  };
+
+  void MeasureTexture(const PreparedRaw& raw);
+  Estimated Search(const PreparedRaw& raw, float X, float Y) const;
+  Estimated Refine(const PreparedRaw& raw, float X, float Y, float w, int iterations) const;
+  Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
+  void FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma);
+
+  int width_, height_, scale_;
+  const LensTable& lenses_;
+  DepthOptions options_;
+  MicroLensGrid grid_;
+  double noise_ = 1;
+  int block_width_ = 0;
+  std::vector<uint8_t> textured_;  // per block of raw pixels
+  std::vector<Estimated> seeds_;
+  int seed_width_ = 0, seed_height_ = 0;
+  ImageF raw_depth_, raw_sigma_;  // before step 3
+};
+
+}  // namespace prism

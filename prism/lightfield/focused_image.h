@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/image/image.h"
+#include "prism/lightfield/lens_table.h"
+#include "prism/lightfield/preparation.h"
+
+namespace prism {
+
+// The totally focused image: focused pixel X with inverse virtual depth w shows the mean of the raw
+// image at x_R = (X - c_ML) w + c_ML (Eqs. (6)-(7)) over the lenses that see it, weighted by the
+// distance r to the micro-image centre, (1 - (r / R)^2)^2, and by how sharp the lens' type is at w.
+// A pixel that no lens sees takes the nearest lens' value at its micro image's rim.
+void RenderFocusedImage(const PlenopticCamera& camera,
+                        const LensTable& lenses,
+                        const PreparedRaw& raw,
+                        const ImageF& dense_inverse_virtual_depth,
+                        ImageF* image);
+
+// How sharp a lens of the given type sees a point at w, 0.02 to 1: 1 inside the type's depth range.
+float TypeSharpness(const MicroLensGrid& grid, int type, float w);
+
+}  // namespace prism

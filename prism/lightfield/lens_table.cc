@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/lightfield/lens_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glog/logging.h>
+#include <Eigen/LU>
+
+#include "prism/camera/projection.h"
+
+namespace prism {
+namespace {
+
+constexpr int kOffsetReach = 6;  // lattice steps; v radius beyond that exceeds kMaxViews
+
+Lens MakeLens(const PlenopticCamera& camera, const LensIndex& index) {
+  const MicroLensGrid& grid = *camera.micro_lens_grid;
+  const Eigen::Vector2d image = grid.MicroImageCenter(index, camera.raw_width, camera.raw_height);
+  const Eigen::Vector2d center = UndistortRaw(camera, image);
+  const Eigen::Vector2d lens = MicroLensCenter(camera, center);
+  constexpr double kStep = 0.5;  // px
+  const Eigen::Vector2d ax = DistortRaw(camera, center + Eigen::Vector2d(kStep, 0)) -
+                             DistortRaw(camera, center - Eigen::Vector2d(kStep, 0));
+  const Eigen::Vector2d ay = DistortRaw(camera, center + Eigen::Vector2d(0, kStep)) -
+                             DistortRaw(camera, center - Eigen::Vector2d(0, kStep));
+  Lens result;
+  result.image_x = static_cast<float>(image.x());
+  result.image_y = static_cast<float>(image.y());
+  result.center_x = static_cast<float>(center.x());
+  result.center_y = static_cast<float>(center.y());
+  result.lens_x = static_cast<float>(lens.x());
+  result.lens_y = static_cast<float>(lens.y());
+  result.axx = static_cast<float>(ax.x());
+  result.ayx = static_cast<float>(ax.y());
+  result.axy = static_cast<float>(ay.x());
+  result.ayy = static_cast<float>(ay.y());
+  result.type = grid.TypeOf(index);
+  const int sign = grid.base_x.dot(grid.base_y) > 0 ? -1 : 1;
+  result.colour = ((index.i + sign * index.j) % 3 + 3) % 3;
+  return result;
+}
+
+}  // namespace
+
+LensTable::LensTable(const PlenopticCamera& camera)
+    : width_(camera.raw_width), height_(camera.raw_height) {
+  CHECK(camera.micro_lens_grid);
+  const MicroLensGrid& grid = *camera.micro_lens_grid;
+  pitch_px_ = static_cast<float>(grid.diameter_px);
+  radius_px_ = static_cast<float>(0.5 * grid.diameter_px - grid.lens_border_px);
+  num_types_ = static_cast<int>(grid.types.size());
+  principal_x_ = static_cast<float>(camera.raw_principal_point.x());
+  principal_y_ = static_cast<float>(camera.raw_principal_point.y());
+  eq8_scale_ =
+      camera.adjust_micro_lens_centers
+          ? static_cast<float>(camera.main_lens_mla_distance /
+                               (camera.main_lens_mla_distance + camera.sensor_mla_distance))
+          : 1.0f;
+  const Eigen::Vector2d origin = grid.MicroImageCenter({0, 0}, width_, height_);
+  Eigen::Matrix2d basis;
+  basis << grid.MicroImageCenter({1, 0}, width_, height_) - origin,
+      grid.MicroImageCenter({0, 1}, width_, height_) - origin;
+  const Eigen::Matrix2d lattice_from_px = basis.inverse();
+  origin_ = origin.cast<float>();
+  lattice_from_px_ = lattice_from_px.cast<float>();
+
+  // Lattice box around the image; lenses whose micro image touches the image.
+  Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+  for (const double x : {0.0, width_ - 1.0}) {
+    for (const double y : {0.0, height_ - 1.0}) {
+      const Eigen::Vector2d corner = lattice_from_px * (Eigen::Vector2d(x, y) - origin);
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+  }
+  min_i_ = static_cast<int>(std::floor(low.x())) - 1;
+  min_j_ = static_cast<int>(std::floor(low.y())) - 1;
+  size_i_ = static_cast<int>(std::ceil(high.x())) + 2 - min_i_;
+  size_j_ = static_cast<int>(std::ceil(high.y())) + 2 - min_j_;
+  index_.assign(static_cast<size_t>(size_i_) * size_j_, -1);
+  for (int j = min_j_; j < min_j_ + size_j_; ++j) {
+    for (int i = min_i_; i < min_i_ + size_i_; ++i) {
+      const Eigen::Vector2d center = grid.MicroImageCenter({i, j}, width_, height_);
+      if (center.x() < -radius_px_ || center.y() < -radius_px_ ||
+          center.x() > width_ - 1 + radius_px_ || center.y() > height_ - 1 + radius_px_) {
+        continue;
+      }
+      index_[static_cast<size_t>(j - min_j_) * size_i_ + (i - min_i_)] =
+          static_cast<int>(lenses_.size());
+      lenses_.push_back(MakeLens(camera, {i, j}));
+    }
+  }
+
+  for (int dj = -kOffsetReach; dj <= kOffsetReach; ++dj) {
+    for (int di = -kOffsetReach; di <= kOffsetReach; ++di) {
+      const float length = static_cast<float>((basis * Eigen::Vector2d(di, dj)).norm());
+      if (length < 0.87f * kOffsetReach * pitch_px_) offsets_.push_back({di, dj, length});
+    }
+  }
+  std::stable_sort(offsets_.begin(), offsets_.end(), [](const Offset& a, const Offset& b) {
+    return a.length_px < b.length_px;
+  });
+  BuildColourMask();
+}
+
+void LensTable::BuildColourMask() {
+  colour_mask_ = Image<uint8_t>(width_, height_, 0);
+  const int reach = static_cast<int>(std::ceil(radius_px_));
+  for (const Lens& lens : lenses_) {
+    const int x0 = static_cast<int>(std::lround(lens.image_x));
+    const int y0 = static_cast<int>(std::lround(lens.image_y));
+    for (int y = std::max(y0 - reach, 0); y <= std::min(y0 + reach, height_ - 1); ++y) {
+      for (int x = std::max(x0 - reach, 0); x <= std::min(x0 + reach, width_ - 1); ++x) {
+        const float dx = x - lens.image_x;
+        const float dy = y - lens.image_y;
+        if (dx * dx + dy * dy <= radius_px_ * radius_px_) {
+          colour_mask_(x, y) = static_cast<uint8_t>(lens.colour + 1);
+        }
+      }
+    }
+  }
+}
+
+int LensTable::NearestLens(float x, float y) const {
+  const Eigen::Vector2f lattice = lattice_from_px_ * (Eigen::Vector2f(x, y) - origin_);
+  return IndexOf(static_cast<int>(std::lround(lattice.x())),
+                 static_cast<int>(std::lround(lattice.y())));
+}
+
+int LensTable::ViewsOf(
+    float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const {
+  const float slope = w + 1 / eq8_scale_ - 1;  // d(offset in the micro image) / d(c_ML)
+  const float to_chief = w / (slope * eq8_scale_);
+  const float chief_x = principal_x_ + (X - principal_x_) * to_chief;  // as a c_I
+  const float chief_y = principal_y_ + (Y - principal_y_) * to_chief;
+  const Eigen::Vector2f lattice = lattice_from_px_ * (Eigen::Vector2f(chief_x, chief_y) - origin_);
+  const int i0 = static_cast<int>(std::floor(lattice.x() + 0.5f));
+  const int j0 = static_cast<int>(std::floor(lattice.y() + 0.5f));
+  const float reach = max_radius_px / (slope * eq8_scale_) + 0.7f * pitch_px_;
+  const float max_squared = max_radius_px * max_radius_px;
+  int count = 0;
+  for (const Offset& offset : offsets_) {
+    if (offset.length_px > reach || count == kMaxViews) break;
+    const int index = IndexOf(i0 + offset.di, j0 + offset.dj);
+    if (index < 0) continue;
+    const Lens& lens = lenses_[index];
+    const float ex = X - lens.lens_x;
+    const float ey = Y - lens.lens_y;
+    const float mx = ex * w + lens.lens_x - lens.center_x;
+    const float my = ey * w + lens.lens_y - lens.center_y;
+    const float squared = mx * mx + my * my;
+    if (squared > max_squared) continue;
+    LensView& view = views[count];
+    view.lens = index;
+    view.x = lens.image_x + lens.axx * mx + lens.axy * my;
+    view.y = lens.image_y + lens.ayx * mx + lens.ayy * my;
+    if (!(view.x >= margin_px && view.y >= margin_px && view.x <= width_ - 1 - margin_px &&
+          view.y <= height_ - 1 - margin_px)) {
+      continue;
+    }
+    view.dx = lens.axx * ex + lens.axy * ey;
+    view.dy = lens.ayx * ex + lens.ayy * ey;
+    view.radius_px = std::sqrt(squared);
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace prism

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/image/image.h"
+
+namespace prism {
+
+// One micro lens in raw px. The micro image is the disc of LensTable::radius() around `image`.
+struct Lens {
+  float image_x, image_y;    // centre of the micro image on the sensor (distorted)
+  float center_x, center_y;  // the same, undistorted: c_I
+  float lens_x, lens_y;      // c_ML of Eq. (8)
+  float axx, axy, ayx, ayy;  // Jacobian of the distortion at the centre
+  int type;                  // index into MicroLensGrid::types
+  int colour;                // 0, 1, 2; differs between neighbours
+};
+
+// A virtual point as one lens sees it.
+struct LensView {
+  int lens;         // index into LensTable::lenses()
+  float x, y;       // raw px on the sensor
+  float dx, dy;     // d(x, y) / d(1/v)
+  float radius_px;  // distance from the micro-image centre
+};
+
+// Everything about the micro-lens array that does not change from frame to frame.
+//
+// A virtual point (X, v) in undistorted raw px is seen by the lens c_ML at
+// x_R = (X - c_ML) w + c_ML, w = 1/v (Eqs. (6)-(7)), and only if x_R lies in the micro image around
+// c_I. With c_ML = k c_I (Eq. (8)) the offset from c_I vanishes at c_ML = X w / (w + 1/k - 1): the
+// lenses that see the point are those near that chief ray. Distortion is linearised within a micro
+// image.
+class LensTable {
+ public:
+  static constexpr int kMaxViews = 24;
+
+  // Precondition: the camera is valid and has a grid.
+  explicit LensTable(const PlenopticCamera& camera);
+
+  const std::vector<Lens>& lenses() const { return lenses_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  float radius_px() const { return radius_px_; }  // of a micro image without its dark rim
+  float pitch_px() const { return pitch_px_; }
+  int num_types() const { return num_types_; }
+
+  // Colour + 1 of the lens whose micro image holds the pixel, 0 in the gaps between them.
+  const Image<uint8_t>& colour_mask() const { return colour_mask_; }
+
+  // Index of the lens nearest to a point on the chief-ray lattice, -1 outside the array.
+  int NearestLens(float x_raw_px, float y_raw_px) const;
+
+  // The lenses that see the virtual point (X, Y, 1/v = w) within `max_radius_px` of their
+  // micro-image centres and `margin_px` inside the image, from the chief ray outwards, at most
+  // kMaxViews. Returns their number.
+  int ViewsOf(
+      float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const;
+
+ private:
+  struct Offset {
+    int di, dj;
+    float length_px;
+  };
+
+  int IndexOf(int i, int j) const {
+    if (i < min_i_ || j < min_j_ || i >= min_i_ + size_i_ || j >= min_j_ + size_j_) return -1;
+    return index_[static_cast<size_t>(j - min_j_) * size_i_ + (i - min_i_)];
+  }
+  void BuildColourMask();
+
+  int width_, height_;
+  float radius_px_, pitch_px_;
+  int num_types_;
+  float principal_x_, principal_y_;
+  float eq8_scale_;         // k: c_ML - c = k (c_I - c)
+  Eigen::Vector2f origin_;  // c_I of lens (0, 0)
+  Eigen::Matrix2f lattice_from_px_;
+  int min_i_ = 0, min_j_ = 0, size_i_ = 0, size_j_ = 0;
+  std::vector<int> index_;  // of lens (i, j), -1 if there is none
+  std::vector<Lens> lenses_;
+  std::vector<Offset> offsets_;  // by length
+  Image<uint8_t> colour_mask_;
+};
+
+}  // namespace prism

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/lightfield/light_field_processor.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "prism/camera/projection.h"
+#include "prism/lightfield/focused_image.h"
+
+namespace prism {
+
+bool LightFieldOptions::IsValid(std::string* error) const {
+  if (pyramid_levels < 1) {
+    *error = "pyramid_levels of " + std::to_string(pyramid_levels) + ", expected 1 or more";
+    return false;
+  }
+  return preparation.IsValid(error) && depth.IsValid(error);
+}
+
+LightFieldProcessor::LightFieldProcessor(const PlenopticCamera& camera,
+                                         const cv::Mat& white,
+                                         const LightFieldOptions& options)
+    : camera_(camera),
+      options_(options),
+      lenses_(camera),
+      preparation_(lenses_, white, options.preparation),
+      depth_(camera, lenses_, options.depth) {}
+
+LightFieldFrame LightFieldProcessor::Process(const RawFrame& frame) {
+  LightFieldFrame result;
+  result.time_ns = frame.time_ns;
+  {
+    StageTimer::Scope scope(&timer_, "preparation");
+    preparation_.Prepare(frame.image, &prepared_);
+  }
+  {
+    StageTimer::Scope scope(&timer_, "depth");
+    result.inverse_virtual_depth = ImageF(camera_.focused_width(), camera_.focused_height());
+    result.sigma = ImageF(camera_.focused_width(), camera_.focused_height());
+    depth_.Estimate(prepared_, &result.inverse_virtual_depth, &result.sigma);
+  }
+  ImageF image;
+  {
+    StageTimer::Scope scope(&timer_, "focused_image");
+    const float far =
+        static_cast<float>(std::clamp(InverseVirtualDepthAtInfinity(PlenopticProjection(camera_)),
+                                      options_.depth.min_inverse_virtual_depth,
+                                      options_.depth.max_inverse_virtual_depth));
+    dense_depth_.Fill(result.inverse_virtual_depth, result.sigma, far, &dense_);
+    RenderFocusedImage(camera_, lenses_, prepared_, dense_, &image);
+  }
+  {
+    StageTimer::Scope scope(&timer_, "pyramid");
+    result.image = BuildPyramid(std::move(image), options_.pyramid_levels);
+  }
+  return result;
+}
+
+}  // namespace prism

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "prism/image/image.h"
+#include "prism/lightfield/lens_table.h"
+
+namespace prism {
+
+// What the pixels of a one-channel raw image are. The name is the colours of the top-left 2 x 2
+// pixels, row by row.
+enum class RawPixels { kGray, kBayerRggb, kBayerBggr, kBayerGrbg, kBayerGbrg };
+
+struct PreparationOptions {
+  RawPixels pixels = RawPixels::kGray;
+  double min_relative_white =
+      0.75;                 // darker than this share of the white image's bright level: masked
+  double saturation = 250;  // 0 to 255; brighter raw pixels are masked
+
+  bool IsValid(std::string* error) const;
+};
+
+// A raw image ready for matching and resampling, 0 to 255 in raw px.
+struct PreparedRaw {
+  ImageF gray;    // vignetting-corrected
+  ImageF smooth;  // gray under the filter (1 2 1) x (1 2 1) / 16, over the good pixels of the
+                  // micro image, so that bilinear interpolation treats all sub-pixel phases
+                  // nearly alike
+  // Colour + 1 of the lens (LensTable) if bilinear interpolation of `gray` in [x, x+1] x [y, y+1]
+  // uses only good pixels of that micro image, else 0.
+  ImageF lens_colour;
+};
+
+// Demosaicing, conversion to gray, vignetting, masks.
+//
+// The white image is averaged over each lens and its six neighbours at the same place in the micro
+// image, which takes its noise away and keeps the vignetting; the gain is its bright level (the
+// 99th percentile) over that mean. Pixels that are dark in the white image or saturated in the
+// frame are masked and not amplified.
+class RawPreparation {
+ public:
+  // `white` may be empty (frames corrected already): gain 1. Else it has the size of the camera's
+  // raw image, 8 or 16 bits, 1 or 3 channels. `lenses` must outlive this.
+  RawPreparation(const LensTable& lenses, const cv::Mat& white, const PreparationOptions& options);
+
+  // Precondition: the image has the camera's size, 8 or 16 bits, 1 or 3 channels (1 if Bayer).
+  void Prepare(const cv::Mat& raw, PreparedRaw* prepared);
+
+ private:
+  void ToGray(const cv::Mat& raw, ImageF* gray);
+
+  const LensTable& lenses_;
+  PreparationOptions options_;
+  ImageF gain_;  // 0: masked
+  cv::Mat demosaiced_, one_channel_;
+  Image<uint8_t> good_;
+};
+
+}  // namespace prism
