@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/io/raw_sequence.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "prism/base/error.h"
+#include "prism/io/image_file.h"
+#include "prism/io/time_list.h"
+
+namespace prism {
+namespace {
+
+void RequireRawType(const std::string& path, const cv::Mat& image) {
+  const bool depth = image.depth() == CV_8U || image.depth() == CV_16U;
+  if (!depth || (image.channels() != 1 && image.channels() != 3)) {
+    throw InputError(path,
+                     std::to_string(image.channels()) + " channel(s) of " +
+                         std::to_string(8 * image.elemSize1()) + " bits",
+                     "1 or 3 channels of 8 or 16 bits");
+  }
+}
+
+}  // namespace
+
+RawSequence::RawSequence(const std::string& folder, const PlenopticCamera& camera)
+    : folder_(folder), width_(camera.raw_width), height_(camera.raw_height) {
+  const std::filesystem::path root(folder);
+  const std::string list = (root / "raw.txt").string();
+  for (const TimedLine& line : ReadTimeList(list, 1)) {
+    const std::string path = (root / line.words[0]).string();
+    if (!std::filesystem::is_regular_file(path)) {
+      throw InputError(list + ":" + std::to_string(line.line_number),
+                       "'" + line.words[0] + "', which does not exist",
+                       "a raw image");
+    }
+    entries_.push_back({line.time_ns, path});
+  }
+  if (entries_.empty()) throw InputError(list, "no frames", "a line `time path` a frame");
+}
+
+RawFrame RawSequence::Read(int index) const {
+  const Entry& entry = entries_[index];
+  RawFrame frame;
+  frame.time_ns = entry.time_ns;
+  frame.path = entry.path;
+  frame.image = ReadImageUnchanged(entry.path);
+  RequireImageSize(entry.path, frame.image, width_, height_);
+  RequireRawType(entry.path, frame.image);
+  return frame;
+}
+
+std::string RawSequence::WhiteImagePath() const {
+  const std::filesystem::path path = std::filesystem::path(folder_) / "white.png";
+  return std::filesystem::is_regular_file(path) ? path.string() : "";
+}
+
+cv::Mat ReadWhiteImage(const std::string& path, const PlenopticCamera& camera) {
+  cv::Mat white = ReadImageUnchanged(path);
+  RequireImageSize(path, white, camera.raw_width, camera.raw_height);
+  RequireRawType(path, white);
+  cv::Mat values;
+  white.reshape(1, 1).convertTo(values, CV_32F, white.depth() == CV_8U ? 1.0 : 1.0 / 257);
+  float* begin = values.ptr<float>();
+  float* nth = begin + static_cast<std::ptrdiff_t>(0.99 * values.cols);
+  std::nth_element(begin, nth, begin + values.cols);
+  if (*nth < 0.02f * 255) {
+    throw InputError(path,
+                     "a black image (99 % of it below " + std::to_string(*nth) + " of 255)",
+                     "a white image");
+  }
+  return white;
+}
+
+bool IsRawSequence(const std::string& folder) {
+  return std::filesystem::is_regular_file(std::filesystem::path(folder) / "raw.txt");
+}
+
+}  // namespace prism

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/scene/frame.h"
+
+namespace prism {
+
+// A folder of raw plenoptic frames: `raw.txt` (time path a line), images of 8 or 16 bits, gray,
+// Bayer or colour, and optionally `white.png`.
+//
+// Throws InputError: no such folder or list, an empty list, times that do not increase, a file that
+// is missing; on Read an image that does not decode, is of another size than the camera's raw image
+// or is in colour where a Bayer pattern or gray is declared.
+class RawSequence {
+ public:
+  RawSequence(const std::string& folder, const PlenopticCamera& camera);
+
+  int size() const { return static_cast<int>(entries_.size()); }
+  int64_t time_ns(int index) const { return entries_[index].time_ns; }
+  const std::string& path(int index) const { return entries_[index].path; }
+
+  // Safe to call from several threads. Precondition: 0 <= index < size().
+  RawFrame Read(int index) const;
+
+  // Path of the folder's white.png, empty if it has none.
+  std::string WhiteImagePath() const;
+
+ private:
+  struct Entry {
+    int64_t time_ns;
+    std::string path;
+  };
+  std::string folder_;
+  int width_, height_;
+  std::vector<Entry> entries_;
+};
+
+// A white image for the camera. Throws InputError if it is missing, does not decode, has another
+// size, or is black (its 99th percentile below 2 % of full scale).
+cv::Mat ReadWhiteImage(const std::string& path, const PlenopticCamera& camera);
+
+// True if the folder looks like such a sequence.
+bool IsRawSequence(const std::string& folder);
+
+}  // namespace prism
