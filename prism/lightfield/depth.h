@@ -20,11 +20,11 @@ struct DepthOptions {
   int seed_spacing = 5;                     // focused px between the points searched in full
   double min_gradient = 3;                  // in raw noise; weaker pixels are not searched
   double max_sigma = 0.02;                  // of 1/v; less certain estimates are dropped
-  double ambiguity = 20;                    // chi square between best and any other match, at least
+  double ambiguity = 35;                    // chi square between best and any other match, at least
   double min_information = 3;               // of the gradients over what noise alone pretends
   double max_residual = 4;                  // RMS over the noise, at most; occlusions exceed it
   double sigma_floor = 0.0015;              // of 1/v, model errors
-  double noise_factor = 2.5;                // on sigma: correlated noise, slant within a patch
+  double noise_factor = 2.1;                // on sigma: correlated noise, slant within a patch
 
   bool IsValid(std::string* error) const;
 };
