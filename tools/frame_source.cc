@@ -9,7 +9,11 @@
 
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
+#include "prism/io/focused_sequence.h"
+#include "prism/io/raw_sequence.h"
 #include "prism/io/rgbd_sequence.h"
+#include "prism/lightfield/light_field_processor.h"
+#include "tools/raw_input.h"
 
 namespace prism {
 namespace {
@@ -19,6 +23,8 @@ std::string DetectFormat(const SequenceOptions& options) {
     throw InputError(options.sequence, "no such folder", "a sequence folder");
   }
   if (!options.format.empty()) return options.format;
+  if (IsRawSequence(options.sequence)) return "raw";
+  if (IsFocusedSequence(options.sequence)) return "focused";
   if (IsRgbdSequence(options.sequence)) return "rgbd";
   throw InputError(options.sequence,
                    "neither raw.txt, focused.txt nor rgb.txt or associations.txt",
@@ -32,6 +38,31 @@ FrameSource OpenRgbd(const SequenceOptions& options) {
   source.camera = sequence->camera();
   for (int i = 0; i < sequence->size(); ++i) source.times_ns.push_back(sequence->time_ns(i));
   source.read = [sequence](int index) { return sequence->Read(index); };
+  return source;
+}
+
+FrameSource OpenFocused(const SequenceOptions& options) {
+  FrameSource source;
+  source.camera = ReadPlenopticCamera(options.camera);
+  auto sequence = std::make_shared<const FocusedSequence>(options.sequence, source.camera);
+  for (int i = 0; i < sequence->size(); ++i) source.times_ns.push_back(sequence->time_ns(i));
+  source.read = [sequence](int index) { return sequence->Read(index); };
+  return source;
+}
+
+// Frames are processed as they are read, one at a time.
+FrameSource OpenRaw(const SequenceOptions& options) {
+  RawInput input =
+      OpenRawInput(options.sequence, options.camera, options.micro_lens_grid, options.white_image);
+  FrameSource source;
+  source.camera = input.camera;
+  auto sequence = std::make_shared<const RawSequence>(std::move(*input.sequence));
+  auto processor =
+      std::make_shared<LightFieldProcessor>(input.camera, input.white, LightFieldOptions{});
+  for (int i = 0; i < sequence->size(); ++i) source.times_ns.push_back(sequence->time_ns(i));
+  source.read = [sequence, processor](int index) {
+    return processor->Process(sequence->Read(index));
+  };
   return source;
 }
 
@@ -70,6 +101,10 @@ FrameSource OpenSequence(const SequenceOptions& options) {
   FrameSource source;
   if (format == "rgbd") {
     source = OpenRgbd(options);
+  } else if (format == "focused") {
+    source = OpenFocused(options);
+  } else if (format == "raw") {
+    source = OpenRaw(options);
   } else {
     throw InputError("--format", "'" + format + "'", "raw, focused or rgbd");
   }

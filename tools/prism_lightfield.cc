@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+
+#include <gflags/gflags.h>
+#include <tbb/global_control.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "prism/base/error.h"
+#include "prism/io/atomic_file.h"
+#include "prism/io/camera_file.h"
+#include "prism/io/focused_sequence.h"
+#include "prism/lightfield/depth_accuracy.h"
+#include "prism/lightfield/grid_estimation.h"
+#include "prism/lightfield/light_field_processor.h"
+#include "prism/lightfield/pinhole_view.h"
+#include "tools/raw_input.h"
+#include "tools/rgbd_writer.h"
+#include "tools/tool_main.h"
+
+DEFINE_string(raw, "", "Folder of a raw sequence (raw.txt).");
+DEFINE_string(camera, "", "Camera file.");
+DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
+DEFINE_string(white_image, "", "White image; white.png of the folder if empty.");
+DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
+DEFINE_string(truth, "", "Folder with true inverse virtual depth, NNNNNN.png by frame number.");
+DEFINE_string(export_rgbd, "", "Folder for the pinhole view as TUM RGB-D; default: pinhole/.");
+DEFINE_double(crop_fov_deg, 0, "Field of view the pinhole view is cropped to; 0: not cropped.");
+DEFINE_bool(estimate_grid, false, "Only estimate the grid from --white_image, to --camera_out.");
+DEFINE_string(camera_out, "", "Camera file (native YAML) written by --estimate_grid.");
+DEFINE_int32(max_frames, 0, "Number of frames to process; 0: all.");
+DEFINE_int32(threads, 2, "Threads; the result does not depend on it.");
+DEFINE_double(min_inverse_virtual_depth, 0.1, "Smallest 1/v searched.");
+DEFINE_double(max_inverse_virtual_depth, 0.48, "Largest 1/v searched, at most 0.5.");
+
+namespace prism {
+namespace {
+
+LightFieldOptions OptionsFromFlags() {
+  LightFieldOptions options;
+  options.depth.min_inverse_virtual_depth = FLAGS_min_inverse_virtual_depth;
+  options.depth.max_inverse_virtual_depth = FLAGS_max_inverse_virtual_depth;
+  std::string error;
+  if (!options.IsValid(&error)) throw InputError("command line", error, "valid options");
+  if (!(FLAGS_crop_fov_deg >= 0 && FLAGS_crop_fov_deg < 180)) {
+    throw InputError("--crop_fov_deg", std::to_string(FLAGS_crop_fov_deg), "0 to 180");
+  }
+  if (FLAGS_threads < 1) {
+    throw InputError("--threads", std::to_string(FLAGS_threads), "1 or more");
+  }
+  return options;
+}
+
+ExitStatus EstimateGridFromWhite() {
+  RequireFlag("camera", FLAGS_camera, "a camera file");
+  RequireFlag("white_image", FLAGS_white_image, "a white image");
+  RequireFlag("camera_out", FLAGS_camera_out, "a camera file to write");
+  PlenopticCamera camera = ReadPlenopticCamera(FLAGS_camera);
+  const cv::Mat white = ReadWhiteImage(FLAGS_white_image, camera);
+  const std::optional<GridFit> fit = EstimateGrid(MeanImage({white}));
+  if (!fit) {
+    throw InputError(FLAGS_white_image, "no hexagonal pattern", "a pitch of 6 to 120 px");
+  }
+  camera.micro_lens_grid = fit->grid;
+  WriteNativeCamera(FLAGS_camera_out, camera);
+  std::printf(
+      "%d micro images, pitch %.5f px, rotation %.6f rad, offset (%.4f, %.4f) px, RMS %.4f px; "
+      "written to %s\n",
+      fit->lenses,
+      fit->grid.diameter_px,
+      fit->grid.rotation,
+      fit->grid.offset_px.x(),
+      fit->grid.offset_px.y(),
+      fit->rms_px,
+      FLAGS_camera_out.c_str());
+  return kExitDone;
+}
+
+nlohmann::json TimesToJson(const StageTimer& timer) {
+  nlohmann::json stages;
+  for (const auto& [stage, summary] : timer.Summarize()) {
+    stages[stage] = {{"median_ms", summary.median_ms},
+                     {"p95_ms", summary.p95_ms},
+                     {"total_ms", summary.total_ms}};
+  }
+  return stages;
+}
+
+nlohmann::json AccuracyToJson(const DepthAccuracyEvaluator& evaluator) {
+  nlohmann::json list = nlohmann::json::array();
+  std::printf(
+      "percent  pixels   median |e|  median e   |e|>0.02  normalised sigma   (%.1f %% measured)\n",
+      100 * evaluator.MeasuredFraction());
+  for (const DepthAccuracy& a : evaluator.Evaluate()) {
+    std::printf("%5.0f %9ld   %.5f    %+.5f    %.4f    %.3f\n",
+                a.percent,
+                a.pixels,
+                a.median_abs_error,
+                a.median_error,
+                a.fraction_above_0_02,
+                a.normalized_sigma);
+    list.push_back({{"percent", a.percent},
+                    {"pixels", a.pixels},
+                    {"median_abs_error", a.median_abs_error},
+                    {"median_error", a.median_error},
+                    {"fraction_above_0_02", a.fraction_above_0_02},
+                    {"normalized_sigma", a.normalized_sigma}});
+  }
+  return list;
+}
+
+void AddTruth(int frame, const LightFieldFrame& result, DepthAccuracyEvaluator* evaluator) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "%06d.png", frame);
+  const std::filesystem::path path = std::filesystem::path(FLAGS_truth) / name;
+  if (!std::filesystem::exists(path)) return;
+  const ImageF& depth = result.inverse_virtual_depth;
+  evaluator->Add(
+      depth, result.sigma, ReadInverseVirtualDepth(path.string(), depth.width(), depth.height()));
+}
+
+ExitStatus ProcessSequence() {
+  RequireFlag("raw", FLAGS_raw, "the folder of a raw sequence");
+  RequireFlag("camera", FLAGS_camera, "a camera file");
+  RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
+  const LightFieldOptions options = OptionsFromFlags();
+  RawInput input = OpenRawInput(FLAGS_raw, FLAGS_camera, FLAGS_micro_lens_grid, FLAGS_white_image);
+  std::cout << input.grid_report << std::endl;
+  if (!FLAGS_truth.empty() && !std::filesystem::is_directory(FLAGS_truth)) {
+    throw InputError(FLAGS_truth, "no such folder", "a folder of true inverse virtual depth");
+  }
+
+  LightFieldProcessor processor(input.camera, input.white, options);
+  const std::filesystem::path output(FLAGS_output_dir);
+  FocusedSequenceWriter writer(FLAGS_output_dir);
+  RgbdWriter pinhole(FLAGS_export_rgbd.empty() ? (output / "pinhole").string() : FLAGS_export_rgbd,
+                     PinholeView(input.camera),
+                     FLAGS_crop_fov_deg);
+  DepthAccuracyEvaluator evaluator;
+  StageTimer frame_timer;
+  const int size = input.sequence->size();
+  const int count = FLAGS_max_frames > 0 ? std::min(FLAGS_max_frames, size) : size;
+  for (int i = 0; i < count; ++i) {
+    const RawFrame raw = input.sequence->Read(i);
+    LightFieldFrame frame;
+    {
+      StageTimer::Scope scope(&frame_timer, "frame");
+      frame = processor.Process(raw);
+    }
+    writer.Write(frame);
+    pinhole.Write(frame.time_ns,
+                  MakePinholeView(input.camera, frame, processor.dense_inverse_virtual_depth()));
+    if (!FLAGS_truth.empty()) AddTruth(i, frame, &evaluator);
+  }
+  writer.Finish();
+  pinhole.Finish();
+  WriteNativeCamera((output / "camera.yaml").string(), input.camera);
+
+  nlohmann::json json;
+  json["options"] = EffectiveOptions();
+  json["frames"] = count;
+  json["grid"] = input.grid_report;
+  json["stages"] = TimesToJson(processor.timer());
+  json["frame_ms"] = TimesToJson(frame_timer)["frame"];
+  if (!evaluator.empty()) {
+    json["accuracy"] = AccuracyToJson(evaluator);
+    json["measured_fraction"] = evaluator.MeasuredFraction();
+  }
+  WriteTextAtomically((output / "lightfield.json").string(), json.dump(1) + "\n");
+  std::printf("%d frames, %.0f ms a frame (median), results in %s\n",
+              count,
+              frame_timer.Summarize().at("frame").median_ms,
+              FLAGS_output_dir.c_str());
+  return kExitDone;
+}
+
+ExitStatus Run() {
+  if (FLAGS_estimate_grid) return EstimateGridFromWhite();
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<size_t>(std::max(FLAGS_threads, 1)));
+  cv::setNumThreads(FLAGS_threads);
+  return ProcessSequence();
+}
+
+}  // namespace
+}  // namespace prism
+
+int main(int argc, char** argv) {
+  return prism::RunTool(
+      {"prism_lightfield",
+       "turns raw plenoptic frames into virtual depth, totally focused images and pinhole views.",
+       "--raw=FOLDER --camera=FILE [--micro_lens_grid=FILE] [--white_image=FILE] "
+       "--output_dir=FOLDER",
+       "prism_lightfield --raw=house_raw --camera=house_raw/CameraModel.xml "
+       "--micro_lens_grid=house_raw/MLA_Calibration.xml --output_dir=out/house"},
+      argc,
+      argv,
+      prism::Run);
+}

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/raw_input.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "prism/base/error.h"
+#include "prism/io/camera_file.h"
+#include "prism/lightfield/grid_estimation.h"
+
+namespace prism {
+namespace {
+
+constexpr double kMaxRms = 0.05;      // of a micro-image centre, in pitches, on a white image
+constexpr double kMinContrast = 0.1;  // below that raw frames do not show the grid
+
+void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
+  std::vector<cv::Mat> images;
+  constexpr int kMaxFrames = 6;
+  const int size = input->sequence->size();
+  const bool has_white = !input->white.empty();
+  if (has_white) {
+    images.push_back(input->white);
+  } else {
+    for (int i = 0; i < std::min(size, kMaxFrames); ++i) {
+      images.push_back(input->sequence->Read(i * size / std::min(size, kMaxFrames)).image);
+    }
+  }
+  MicroLensGrid& grid = *input->camera.micro_lens_grid;
+  const std::optional<GridFit> fit = RefineGrid(MeanImage(images), grid);
+  const char* source = has_white ? "white image" : "raw frames";
+  char text[256];
+  if (has_white && (!fit || fit->rms_px > kMaxRms * grid.diameter_px || fit->contrast < 0.05)) {
+    std::snprintf(text,
+                  sizeof(text),
+                  "a pitch of %.4f px and micro images %.2f px (RMS) off the white image's",
+                  grid.diameter_px,
+                  fit ? fit->rms_px : 0.0);
+    throw InputError(grid_path, text, "the grid of the white image");
+  }
+  if (!fit || fit->contrast < kMinContrast || fit->rms_px > kMaxRms * grid.diameter_px) {
+    input->grid_report = std::string("micro-lens grid kept as it is: the ") + source +
+                         " do not show it well enough to refine it";
+    return;
+  }
+  std::snprintf(text,
+                sizeof(text),
+                "micro-lens grid refined on the %s: %d micro images, RMS %.3f px, moved by at most "
+                "%.3f px, pitch %.4f px, rotation %.6f rad%s",
+                source,
+                fit->lenses,
+                fit->rms_px,
+                fit->max_change_px,
+                fit->grid.diameter_px,
+                fit->grid.rotation,
+                fit->rotation_flipped ? " (opposite sign to the file's)" : "");
+  grid = fit->grid;
+  input->grid_report = text;
+}
+
+}  // namespace
+
+RawInput OpenRawInput(const std::string& folder,
+                      const std::string& camera_path,
+                      const std::string& grid_path,
+                      const std::string& white_path) {
+  RawInput input;
+  input.camera = ReadPlenopticCamera(camera_path);
+  if (!grid_path.empty()) input.camera.micro_lens_grid = ReadMicroLensGrid(grid_path);
+  if (!input.camera.micro_lens_grid) {
+    throw InputError(camera_path,
+                     "no micro-lens grid",
+                     "one in the camera file or --micro_lens_grid for raw frames");
+  }
+  input.sequence.emplace(folder, input.camera);
+  const std::string white = white_path.empty() ? input.sequence->WhiteImagePath() : white_path;
+  if (!white.empty()) input.white = ReadWhiteImage(white, input.camera);
+  RefineCameraGrid(grid_path.empty() ? camera_path : grid_path, &input);
+  return input;
+}
+
+}  // namespace prism
