@@ -1,0 +1,201 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+// End-to-end runs of prism_vo and prism_check_jacobians, as a user starts them.
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "test/io/rgbd_folder.h"
+#include "test/tools/run_program.h"
+
+namespace prism {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+std::string Read(const std::string& path) {
+  std::ostringstream contents;
+  contents << std::ifstream(path).rdbuf();
+  return contents.str();
+}
+
+nlohmann::json ReadJson(const std::string& path) { return nlohmann::json::parse(Read(path)); }
+
+const std::string kCamera =
+    std::string(" --camera=") + PRISM_SOURCE_DIR + "/calib/raytrix_r5_16mm.yaml";
+
+ProgramResult RunVo(const std::string& sequence,
+                    const std::string& output,
+                    const std::string& flags = "") {
+  return RunProgram("prism_vo --sequence=" + sequence + kCamera + " --output_dir=" + output + " " +
+                    flags);
+}
+
+TEST(PrismVo, TracksARenderedSequenceInMetres) {
+  const std::string folder = FreshFolder("run");
+  WriteRgbdFolder(folder + "/sequence");
+  const ProgramResult result = RunVo(folder + "/sequence", folder + "/out");
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  const nlohmann::json metrics = ReadJson(folder + "/out/metrics.json");
+  EXPECT_EQ(metrics["matched_count"], 20);
+  EXPECT_LT(metrics["ate_rmse_m"].get<double>(), 0.004);
+  EXPECT_LT(metrics["scale_error_percent"].get<double>(), 2.5);
+  const nlohmann::json run = ReadJson(folder + "/out/run.json");
+  EXPECT_EQ(run["tracked_count"], 20);
+  EXPECT_EQ(run["frames"].size(), 20u);
+  EXPECT_GT(run["keyframe_count"].get<int>(), 2);
+  for (const char* key : {"git_hash",
+                          "options",
+                          "camera",
+                          "stages",
+                          "wall_seconds",
+                          "peak_resident_mib",
+                          "status",
+                          "segments",
+                          "depth_variance_factor"}) {
+    EXPECT_TRUE(run.contains(key)) << key;
+  }
+  EXPECT_EQ(run["options"]["seed"], "0");
+  for (const char* name : {"trajectory.txt", "keyframes.txt", "points.ply"}) {
+    EXPECT_GT(fs::file_size(folder + "/out/" + name), 100u) << name;
+  }
+}
+
+TEST(PrismVo, TheSameCommandGivesTheSameTrajectory) {
+  const std::string folder = FreshFolder("run");
+  WriteRgbdFolder(folder + "/sequence");
+  ASSERT_EQ(RunVo(folder + "/sequence", folder + "/a", "--threads=1 --seed=7").exit_status, 0);
+  ASSERT_EQ(RunVo(folder + "/sequence", folder + "/b", "--threads=1 --seed=7").exit_status, 0);
+  ASSERT_EQ(RunVo(folder + "/sequence", folder + "/c", "--threads=1 --seed=8").exit_status, 0);
+  const std::string trajectory = Read(folder + "/a/trajectory.txt");
+  EXPECT_EQ(trajectory, Read(folder + "/b/trajectory.txt"));
+  EXPECT_NE(trajectory, Read(folder + "/c/trajectory.txt"));
+}
+
+TEST(PrismVo, BlackFramesAreNotTrackedAndTheRunGoesOn) {
+  const std::string folder = FreshFolder("run");
+  RgbdFolderOptions options;
+  options.first_black = 8;
+  options.last_black = 9;
+  WriteRgbdFolder(folder + "/sequence", options);
+  const ProgramResult result = RunVo(folder + "/sequence", folder + "/out");
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  const nlohmann::json run = ReadJson(folder + "/out/run.json");
+  EXPECT_EQ(run["tracked_count"], 18);
+  EXPECT_EQ(run["frames"][8]["status"], "no texture");
+  EXPECT_EQ(run["frames"][10]["status"], "tracked");
+  EXPECT_LT(ReadJson(folder + "/out/metrics.json")["ate_rmse_m"].get<double>(), 0.01);
+}
+
+TEST(PrismVo, EveryAblationRuns) {
+  const std::string folder = FreshFolder("run");
+  RgbdFolderOptions options;
+  options.num_frames = 10;
+  WriteRgbdFolder(folder + "/sequence", options);
+  for (const char* flag : {"--depth_residual=false",
+                           "--marginalization_prior=false",
+                           "--first_estimate_jacobians=false",
+                           "--affine_brightness=false",
+                           "--robust_loss=false",
+                           "--window_keyframes=4 --active_points=500"}) {
+    const ProgramResult result = RunVo(folder + "/sequence", folder + "/out", flag);
+    EXPECT_EQ(result.exit_status, 0) << flag << result.output;
+    EXPECT_LT(ReadJson(folder + "/out/metrics.json")["ate_rmse_m"].get<double>(), 0.02) << flag;
+  }
+}
+
+TEST(PrismVo, PlaysBackAndForth) {
+  const std::string folder = FreshFolder("run");
+  RgbdFolderOptions options;
+  options.num_frames = 8;
+  WriteRgbdFolder(folder + "/sequence", options);
+  const ProgramResult result = RunVo(folder + "/sequence", folder + "/out", "--ping_pong=3");
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_EQ(ReadJson(folder + "/out/run.json")["frame_count"], 8 + 7 + 7);
+}
+
+TEST(PrismVo, BadInputExitsWithTwoAndLeavesNothingBehind) {
+  const std::string folder = FreshFolder("run");
+  RgbdFolderOptions options;
+  options.num_frames = 3;
+  WriteRgbdFolder(folder + "/sequence", options);
+  const auto expect_bad = [&](const ProgramResult& result, const std::string& what) {
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_THAT(result.output, AllOf(HasSubstr(what), HasSubstr("found"), HasSubstr("expected")));
+    EXPECT_FALSE(fs::exists(folder + "/out/trajectory.txt"));
+    EXPECT_FALSE(fs::exists(folder + "/out/run.json"));
+  };
+  const std::string sequence = folder + "/sequence";
+  expect_bad(RunProgram("prism_vo"), "--sequence");
+  expect_bad(RunVo(folder + "/nowhere", folder + "/out"), "nowhere");
+  expect_bad(RunVo(sequence, folder + "/out", "--format=film"), "film");
+  expect_bad(RunVo(sequence, folder + "/out", "--start_frame=9"), "--start_frame");
+  expect_bad(RunVo(sequence, folder + "/out", "--window_keyframes=1"), "1 keyframes");
+  WriteFile(folder + "/blank.txt", "  \n");
+  expect_bad(RunVo(sequence, folder + "/out", "--groundtruth=" + folder + "/blank.txt"),
+             "blank.txt");
+  WriteFile(folder + "/camera.yaml", "model: plenoptic\nfocal_length_mm: -3\n");
+  expect_bad(RunProgram("prism_vo --sequence=" + sequence + " --camera=" + folder +
+                        "/camera.yaml --output_dir=" + folder + "/out"),
+             "camera.yaml");
+  WriteFile(sequence + "/rgb/000002.png", "not an image");
+  expect_bad(RunVo(sequence, folder + "/out"), "rgb/000002.png");
+  EXPECT_EQ(RunProgram("prism_vo --no_such_flag").exit_status, 2);
+}
+
+TEST(PrismVo, HelpTeaches) {
+  const ProgramResult result = RunProgram("prism_vo --help");
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr("Usage:"), HasSubstr("Example:"), HasSubstr("--depth_residual")));
+}
+
+TEST(PrismVo, FlagfilesOfTheProjectAreUnderstood) {
+  const std::string folder = FreshFolder("run");
+  RgbdFolderOptions options;
+  options.num_frames = 2;
+  WriteRgbdFolder(folder + "/sequence", options);
+  for (const char* name : {"redkitchen", "house_rgbd"}) {
+    // --camera in the file is relative to the project's root; the later flag wins.
+    const ProgramResult result = RunProgram(
+        std::string("prism_vo --flagfile=") + PRISM_SOURCE_DIR + "/sequences/" + name + ".flags" +
+        kCamera + " --sequence=" + folder + "/sequence --output_dir=" + folder + "/out");
+    EXPECT_EQ(result.exit_status, 0) << result.output;
+  }
+}
+
+TEST(PrismVo, RedKitchenIsRightInMetres) {
+  const std::string sequence = std::string(PRISM_SOURCE_DIR) + "/../shared/data/redkitchen";
+  if (!fs::exists(sequence)) GTEST_SKIP() << "the RedKitchen sequence is not here";
+  const std::string folder = FreshFolder("run");
+  const ProgramResult result = RunVo(
+      sequence, folder, "--max_frames=60 --groundtruth=" + sequence + "/groundtruth_reference.txt");
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_EQ(ReadJson(folder + "/run.json")["tracked_count"], 60);
+  EXPECT_LT(ReadJson(folder + "/metrics.json")["ate_rmse_m"].get<double>(), 0.015);
+}
+
+TEST(PrismCheckJacobians, AllBlocksOfAllShippedCamerasAgree) {
+  const std::string folder = FreshFolder("run");
+  const ProgramResult result =
+      RunProgram(std::string("prism_check_jacobians --samples=60 --camera=") + PRISM_SOURCE_DIR +
+                 "/calib --json=" + folder + "/jacobians.json");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr("all blocks agree"), HasSubstr("(66)"), HasSubstr("(72)")));
+  EXPECT_GE(ReadJson(folder + "/jacobians.json").size(), 3u);
+}
+
+TEST(PrismCheckJacobians, NeedsACamera) {
+  EXPECT_EQ(RunProgram("prism_check_jacobians --camera=/no/such/file.yaml").exit_status, 2);
+}
+
+}  // namespace
+}  // namespace prism
