@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/report/metrics_table.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <optional>
+
+#include "prism/report/text_table.h"
 
 namespace prism {
 namespace {
@@ -94,24 +95,6 @@ std::string Format(const char* format, Value value, const std::string& missing) 
 
 using Row = std::vector<std::string>;
 
-// Columns as wide as their widest cell, the first one to the left.
-std::string Layout(const std::vector<Row>& rows) {
-  std::vector<size_t> widths(rows.front().size(), 0);
-  for (const Row& row : rows) {
-    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  std::string text;
-  for (const Row& row : rows) {
-    for (size_t i = 0; i < row.size(); ++i) {
-      const std::string padding(widths[i] - row[i].size(), ' ');
-      text += i == 0 ? row[i] + padding : "  " + padding + row[i];
-    }
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += '\n';
-  }
-  return text;
-}
-
 // A segment as a row of its own: only what is known of a segment is set.
 Row SegmentRow(const SegmentMetrics& segment, size_t number) {
   Row row = {"  segment " + std::to_string(number), std::to_string(segment.matched_count), ""};
@@ -154,7 +137,7 @@ std::string FormatTextTable(const std::vector<EvaluatedTrajectory>& estimates) {
       rows.push_back(SegmentRow(segments[i], i + 1));
     }
   }
-  return Layout(rows);
+  return FormatColumns(rows);
 }
 
 std::string FormatCsv(const std::vector<EvaluatedTrajectory>& estimates) {
