@@ -312,7 +312,7 @@ void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma
         }
       }
       if (agree < 8 || 2 * disagree > agree) continue;
-      (*inverse_virtual_depth)(x, y) = sum / weight;
+      (*inverse_virtual_depth)(x, y) = sum / weight - static_cast<float>(options_.shading_bias);
       (*sigma)(x, y) = raw_sigma_(x, y);
     }
   });

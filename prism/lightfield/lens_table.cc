@@ -138,7 +138,7 @@ int LensTable::ViewsOf(
   const Eigen::Vector2f lattice = lattice_from_px_ * (Eigen::Vector2f(chief_x, chief_y) - origin_);
   const int i0 = static_cast<int>(std::floor(lattice.x() + 0.5f));
   const int j0 = static_cast<int>(std::floor(lattice.y() + 0.5f));
-  const float reach = max_radius_px / (slope * eq8_scale_) + 0.7f * pitch_px_;
+  const float reach = max_radius_px / (slope * eq8_scale_) + 0.87f * pitch_px_;
   const float max_squared = max_radius_px * max_radius_px;
   int count = 0;
   for (const Offset& offset : offsets_) {

@@ -113,6 +113,7 @@ RawPreparation::RawPreparation(const LensTable& lenses,
   const int height = lenses.height();
   gain_ = ImageF(width, height, 0);
   good_ = Image<uint8_t>(width, height, 0);
+  filtered_ = Image<uint8_t>(width, height, 0);
   ImageF mean;
   float bright = 1;
   if (!white.empty()) {
@@ -183,29 +184,27 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     const float* g = prepared->gray.row(y);
     const float* g_below = prepared->gray.row(std::min(y + 1, height - 1));
     float* smooth = prepared->smooth.row(y);
-    float* lens_colour = prepared->lens_colour.row(y);
+    uint8_t* filtered_row = filtered_.row(y);
     smooth[0] = g[0];
     smooth[width - 1] = g[width - 1];
     for (int x = 1; x < width - 1; ++x) {
       const uint8_t c = here[x];
-      float sum = 0;
-      float total = 0;
-      const auto add = [&](const uint8_t* colours, const float* values, int u, float weight) {
-        const float used = colours[u] == c ? weight : 0.0f;
-        sum += used * values[u];
-        total += used;
-      };
-      add(above, g_above, x - 1, 1);
-      add(above, g_above, x, 2);
-      add(above, g_above, x + 1, 1);
-      add(here, g, x - 1, 2);
-      add(here, g, x, 4);
-      add(here, g, x + 1, 2);
-      add(below, g_below, x - 1, 1);
-      add(below, g_below, x, 2);
-      add(below, g_below, x + 1, 1);
-      smooth[x] = c != 0 ? sum / total : g[x];
-      const bool cell = c != 0 && here[x + 1] == c && below[x] == c && below[x + 1] == c;
+      smooth[x] = (g_above[x - 1] + g_above[x + 1] + g_below[x - 1] + g_below[x + 1] +
+                   2 * (g_above[x] + g_below[x] + g[x - 1] + g[x + 1]) + 4 * g[x]) *
+                  (1.0f / 16);
+      const bool whole = here[x - 1] == c && here[x + 1] == c && above[x - 1] == c &&
+                         above[x] == c && above[x + 1] == c && below[x - 1] == c && below[x] == c &&
+                         below[x + 1] == c;
+      filtered_row[x] = whole ? c : uint8_t{0};
+    }
+  });
+  tbb::parallel_for(0, height - 1, [&](int y) {
+    const uint8_t* here = filtered_.row(y);
+    const uint8_t* below = filtered_.row(y + 1);
+    float* lens_colour = prepared->lens_colour.row(y);
+    for (int x = 0; x < width - 1; ++x) {
+      const uint8_t c = here[x];
+      const bool cell = here[x + 1] == c && below[x] == c && below[x + 1] == c;
       lens_colour[x] = cell ? static_cast<float>(c) : 0.0f;
     }
   });

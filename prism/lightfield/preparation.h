@@ -27,11 +27,11 @@ struct PreparationOptions {
 // A raw image ready for matching and resampling, 0 to 255 in raw px.
 struct PreparedRaw {
   ImageF gray;    // vignetting-corrected
-  ImageF smooth;  // gray under the filter (1 2 1) x (1 2 1) / 16, over the good pixels of the
-                  // micro image, so that bilinear interpolation treats all sub-pixel phases
-                  // nearly alike
-  // Colour + 1 of the lens (LensTable) if bilinear interpolation of `gray` in [x, x+1] x [y, y+1]
-  // uses only good pixels of that micro image, else 0.
+  ImageF smooth;  // gray under the filter (1 2 1) x (1 2 1) / 16, so that bilinear interpolation
+                  // treats all sub-pixel phases nearly alike
+  // Colour + 1 of the lens (LensTable) if bilinear interpolation of `smooth` in [x, x+1] x [y, y+1]
+  // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
+  // would shift the image inwards and bias the depth.
   ImageF lens_colour;
 };
 
@@ -58,6 +58,7 @@ class RawPreparation {
   ImageF gain_;  // 0: masked
   cv::Mat demosaiced_, one_channel_;
   Image<uint8_t> good_;
+  Image<uint8_t> filtered_;  // good_ with all eight neighbours in the same micro image
 };
 
 }  // namespace prism
