@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/lightfield/lens_table.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "prism/camera/projection.h"
+#include "test/lightfield/synthetic_frame.h"
+
+namespace prism {
+namespace {
+
+// The definition, over all lenses: Eqs. (6)-(8) and the micro image around c_I.
+int CountViews(const PlenopticCamera& camera, const Eigen::Vector2d& X, double w, double radius) {
+  int count = 0;
+  for (int j = -40; j <= 40; ++j) {
+    for (int i = -40; i <= 40; ++i) {
+      const Eigen::Vector2d c_I =
+          camera.micro_lens_grid->MicroImageCenter({i, j}, camera.raw_width, camera.raw_height);
+      const Eigen::Vector2d c_ML = MicroLensCenter(camera, c_I);
+      const Eigen::Vector2d x_R = ProjectToRaw({X.x(), X.y(), 1 / w}, c_ML);
+      const bool inside = x_R.minCoeff() >= 1 && x_R.maxCoeff() <= camera.raw_width - 2;
+      count += inside && (x_R - c_I).norm() <= radius;
+    }
+  }
+  return count;
+}
+
+TEST(LensTable, ViewsAreExactlyTheLensesWhoseMicroImageHoldsThePoint) {
+  const PlenopticCamera camera = SmallCamera();
+  const LensTable table(camera);
+  LensView views[LensTable::kMaxViews];
+  for (const double w : {0.2, 0.3, 0.44}) {
+    for (double y = 20.3; y < 300; y += 37.7) {
+      for (double x = 20.7; x < 300; x += 31.1) {
+        const int count = table.ViewsOf(
+            static_cast<float>(x), static_cast<float>(y), static_cast<float>(w), 10.0f, 1, views);
+        EXPECT_EQ(count, std::min(CountViews(camera, {x, y}, w, 10), LensTable::kMaxViews))
+            << "at " << x << ", " << y << ", 1/v = " << w;
+      }
+    }
+  }
+}
+
+TEST(LensTable, ViewsFollowEquationsSixAndSevenAndTheirDerivative) {
+  const PlenopticCamera camera = SmallCamera();
+  const LensTable table(camera);
+  LensView views[LensTable::kMaxViews];
+  LensView moved[LensTable::kMaxViews];
+  const int count = table.ViewsOf(150, 170, 0.3f, 9, 1, views);
+  ASSERT_GT(count, 2);
+  const int moved_count = table.ViewsOf(150, 170, 0.31f, 11, 1, moved);
+  for (int k = 0; k < count; ++k) {
+    const Lens& lens = table.lenses()[views[k].lens];
+    EXPECT_NEAR(views[k].x, (150 - lens.lens_x) * 0.3 + lens.lens_x, 1e-3);
+    EXPECT_NEAR(views[k].y, (170 - lens.lens_y) * 0.3 + lens.lens_y, 1e-3);
+    for (int m = 0; m < moved_count; ++m) {
+      if (moved[m].lens != views[k].lens) continue;
+      EXPECT_NEAR((moved[m].x - views[k].x) / 0.01, views[k].dx, 0.05);
+      EXPECT_NEAR((moved[m].y - views[k].y) / 0.01, views[k].dy, 0.05);
+    }
+  }
+}
+
+TEST(LensTable, ColoursOfNeighboursDiffer) {
+  const LensTable table(SmallCamera());
+  for (const Lens& a : table.lenses()) {
+    for (const Lens& b : table.lenses()) {
+      const double distance = std::hypot(a.image_x - b.image_x, a.image_y - b.image_y);
+      if (distance > 1 && distance < 1.2 * table.pitch_px()) {
+        EXPECT_NE(a.colour, b.colour);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace prism

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/lightfield/light_field_processor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "prism/io/camera_file.h"
+#include "prism/io/focused_sequence.h"
+#include "prism/io/raw_sequence.h"
+#include "prism/lightfield/depth_accuracy.h"
+#include "test/lightfield/synthetic_frame.h"
+
+namespace prism {
+namespace {
+
+RawFrame Frame(const cv::Mat& image) {
+  RawFrame frame;
+  frame.time_ns = 5;
+  frame.image = image;
+  return frame;
+}
+
+cv::Mat White(const PlenopticCamera& camera) {
+  return RenderPlane(
+      camera, 0.3, [](double, double) { return 230; }, 0, true);
+}
+
+// The synthetic frames are those of pinhole micro lenses.
+LightFieldOptions PinholeOptions() {
+  LightFieldOptions options;
+  options.depth.shading_bias = 0;
+  return options;
+}
+
+class ProcessorOnPlanes : public ::testing::TestWithParam<double> {};
+
+TEST_P(ProcessorOnPlanes, InverseVirtualDepthIsUnbiasedAndTheImageIsTheTexture) {
+  const double w = GetParam();
+  const PlenopticCamera camera = SmallCamera();
+  LightFieldProcessor processor(camera, White(camera), PinholeOptions());
+  const LightFieldFrame frame =
+      processor.Process(Frame(RenderPlane(camera, w, WavyTexture, 1.5, true)));
+  std::vector<double> errors;
+  double image_error = 0;
+  int image_count = 0;
+  const double gain = 1 / 0.99;  // the bright level is a percentile just below the peak
+  for (int y = 30; y < 130; ++y) {
+    for (int x = 30; x < 130; ++x) {
+      if (frame.sigma(x, y) > 0) errors.push_back(frame.inverse_virtual_depth(x, y) - w);
+      const Eigen::Vector2d X = RawFromFocused(camera, {x, y});
+      image_error += std::abs(gain * frame.image[0](x, y) - WavyTexture(X.x(), X.y()));
+      ++image_count;
+    }
+  }
+  ASSERT_GT(errors.size(), 4000u);
+  std::sort(errors.begin(), errors.end());
+  EXPECT_NEAR(errors[errors.size() / 2], 0, 0.001);
+  EXPECT_LT(errors[errors.size() * 9 / 10] - errors[errors.size() / 10], 0.02);
+  EXPECT_LT(image_error / image_count, 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Depths, ProcessorOnPlanes, ::testing::Values(0.2, 0.28, 0.36));
+
+TEST(Processor, ResultDoesNotDependOnTheNumberOfThreadsNorOnFramesBefore) {
+  const PlenopticCamera camera = SmallCamera();
+  const RawFrame raw = Frame(RenderPlane(camera, 0.3, WavyTexture, 2, true));
+  const RawFrame other = Frame(RenderPlane(camera, 0.22, WavyTexture, 2, true));
+  LightFieldProcessor processor(camera, White(camera), LightFieldOptions{});
+  LightFieldFrame first;
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    first = processor.Process(raw);
+  }
+  processor.Process(other);
+  const LightFieldFrame second = processor.Process(raw);
+  EXPECT_EQ(0,
+            std::memcmp(first.inverse_virtual_depth.data(),
+                        second.inverse_virtual_depth.data(),
+                        sizeof(float) * first.sigma.size()));
+  EXPECT_EQ(0,
+            std::memcmp(
+                first.image[0].data(), second.image[0].data(), sizeof(float) * first.sigma.size()));
+}
+
+TEST(Processor, FrameWithoutTextureHasAnImageAndNoDepth) {
+  const PlenopticCamera camera = SmallCamera();
+  LightFieldProcessor processor(camera, White(camera), LightFieldOptions{});
+  const LightFieldFrame frame = processor.Process(Frame(RenderPlane(
+      camera, 0.3, [](double, double) { return 130; }, 2, true)));
+  const long measured = std::count_if(frame.sigma.data(),
+                                      frame.sigma.data() + frame.sigma.size(),
+                                      [](float sigma) { return sigma > 0; });
+  EXPECT_LT(measured, 0.005 * static_cast<double>(frame.sigma.size()));
+  EXPECT_NEAR(frame.image[0](80, 80), 130, 8);
+}
+
+TEST(Processor, SixteenBitsAndColourGiveWhatEightBitGrayGives) {
+  const PlenopticCamera camera = SmallCamera();
+  const cv::Mat gray = RenderPlane(camera, 0.3, WavyTexture);
+  cv::Mat deep, colour;
+  gray.convertTo(deep, CV_16U, 257);
+  cv::merge(std::vector<cv::Mat>{gray, gray, gray}, colour);
+  LightFieldProcessor processor(camera, cv::Mat(), LightFieldOptions{});
+  const LightFieldFrame expected = processor.Process(Frame(gray));
+  for (const cv::Mat& image : {deep, colour}) {
+    const LightFieldFrame frame = processor.Process(Frame(image));
+    EXPECT_NEAR(frame.image[0](80, 70), expected.image[0](80, 70), 0.01);
+    EXPECT_NEAR(frame.inverse_virtual_depth(80, 70), expected.inverse_virtual_depth(80, 70), 1e-4);
+  }
+}
+
+TEST(Processor, MeetsItsAccuracyOnHouseRaw) {
+  const std::string folder = PRISM_SOURCE_DIR "/../shared/data/house_raw";
+  if (!std::filesystem::exists(folder + "/raw.txt")) {
+    GTEST_SKIP() << "needs ../shared/data/house_raw";
+  }
+  PlenopticCamera camera = ReadPlenopticCamera(folder + "/CameraModel.xml");
+  camera.micro_lens_grid = ReadMicroLensGrid(folder + "/MLA_Calibration.xml");
+  const RawSequence sequence(folder, camera);
+  LightFieldProcessor processor(
+      camera, ReadWhiteImage(sequence.WhiteImagePath(), camera), LightFieldOptions{});
+  const LightFieldFrame frame = processor.Process(sequence.Read(8));
+  DepthAccuracyEvaluator evaluator;
+  evaluator.Add(frame.inverse_virtual_depth,
+                frame.sigma,
+                ReadInverseVirtualDepth(folder + "/virtual_depth_truth/000008.png", 1024, 1024));
+  const DepthAccuracy ten = evaluator.Evaluate()[1];
+  EXPECT_LE(ten.median_abs_error, 0.0025);
+  EXPECT_LE(std::abs(ten.median_error), 0.0006);
+  EXPECT_LE(ten.fraction_above_0_02, 0.015);
+  EXPECT_GT(ten.normalized_sigma, 0.7);
+  EXPECT_LT(ten.normalized_sigma, 1.4);
+}
+
+}  // namespace
+}  // namespace prism

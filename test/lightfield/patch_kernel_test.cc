@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/lightfield/patch_kernel.h"
+
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "prism/base/random.h"
+
+namespace prism {
+namespace {
+
+TEST(PatchKernel, VectorisedSumsEqualTheReference) {
+  constexpr int kStride = 40;
+  std::mt19937_64 generator = SeededGenerator(3, 0);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<float> image(kStride * kStride), colours(kStride * kStride);
+  for (float& value : image) value = 255 * uniform(generator);
+  for (float& colour : colours) colour = uniform(generator) < 0.8f ? 2.0f : 0.0f;
+  for (int count = 2; count <= 6; ++count) {
+    std::vector<PatchSample> samples;
+    for (int k = 0; k < count; ++k) {
+      const int start = (2 + 3 * k) * kStride + 1 + 4 * k;
+      samples.push_back({image.data() + start,
+                         colours.data() + start,
+                         uniform(generator),
+                         uniform(generator),
+                         40 * uniform(generator) - 20,
+                         40 * uniform(generator) - 20,
+                         2,
+                         0.1f + uniform(generator)});
+    }
+    const PatchSums sums = SumPatches(samples.data(), count, kStride);
+    const PatchSums reference = SumPatchesReference(samples.data(), count, kStride);
+    EXPECT_NEAR(sums.cost, reference.cost, 1e-4 * reference.cost);
+    EXPECT_NEAR(sums.hessian, reference.hessian, 1e-4 * reference.hessian);
+    EXPECT_NEAR(sums.gradient, reference.gradient, 1e-4 * reference.hessian);
+    EXPECT_NEAR(sums.freedom, reference.freedom, 1e-4 * reference.freedom);
+  }
+}
+
+TEST(PatchKernel, EqualPatchesCostNothing) {
+  constexpr int kStride = 20;
+  std::vector<float> image(kStride * kStride), colours(kStride * kStride, 1);
+  for (size_t i = 0; i < image.size(); ++i) image[i] = static_cast<float>(i % kStride);
+  const PatchSample sample{image.data(), colours.data(), 0.25f, 0.5f, 3, 0, 1, 1};
+  PatchSample other = sample;
+  other.dx = -3;
+  const PatchSample samples[] = {sample, other};
+  const PatchSums sums = SumPatches(samples, 2, kStride);
+  EXPECT_NEAR(sums.cost, 0, 1e-3);
+  EXPECT_NEAR(sums.gradient, 0, 1e-3);
+  EXPECT_GT(sums.hessian, 1);
+}
+
+}  // namespace
+}  // namespace prism
