@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/lightfield/grid_estimation.h"
+#include "prism/lightfield/light_field_processor.h"
 
 namespace prism {
 namespace {
@@ -41,8 +44,14 @@ void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
     throw InputError(grid_path, text, "the grid of the white image");
   }
   if (!fit || fit->contrast < kMinContrast || fit->rms_px > kMaxRms * grid.diameter_px) {
-    input->grid_report = std::string("micro-lens grid kept as it is: the ") + source +
-                         " do not show it well enough to refine it";
+    std::snprintf(text,
+                  sizeof(text),
+                  "micro-lens grid kept as it is: the %s do not show it well enough to refine it "
+                  "(contrast %.2f, RMS %.2f px)",
+                  source,
+                  fit ? fit->contrast : 0.0,
+                  fit ? fit->rms_px : 0.0);
+    input->grid_report = text;
     return;
   }
   std::snprintf(text,
@@ -58,6 +67,40 @@ void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
                 fit->rotation_flipped ? " (opposite sign to the file's)" : "");
   grid = fit->grid;
   input->grid_report = text;
+}
+
+// The order of lens types 1 and 2 in grid files is not reliable: the one whose focused image of the
+// first frame has more gradient energy is right.
+void DecideTypeOrder(RawInput* input) {
+  const std::vector<MicroLensType>& types = input->camera.micro_lens_grid->types;
+  if (types.size() != 3 || (types[1].min_virtual_depth == types[2].min_virtual_depth &&
+                            types[1].max_virtual_depth == types[2].max_virtual_depth)) {
+    return;
+  }
+  const RawFrame frame = input->sequence->Read(0);
+  const MicroLensGrid filed = *input->camera.micro_lens_grid;
+  MicroLensGrid swapped = filed;
+  std::swap(swapped.types[1].offset, swapped.types[2].offset);
+  const auto sharpness = [&](const MicroLensGrid& grid) {
+    PlenopticCamera camera = input->camera;
+    camera.micro_lens_grid = grid;
+    LightFieldProcessor processor(camera, input->white, LightFieldOptions{});
+    const LightFieldFrame result = processor.Process(frame);
+    const ImageF energy = SquaredGradientMagnitude(result.image[0]);
+    return std::accumulate(energy.data(), energy.data() + energy.size(), 0.0) /
+           static_cast<double>(energy.size());
+  };
+  const double as_filed = sharpness(filed);
+  const double exchanged = sharpness(swapped);
+  char text[160];
+  std::snprintf(text,
+                sizeof(text),
+                "; lens types 1 and 2 %s (gradient energy %.2f, exchanged %.2f)",
+                exchanged > as_filed ? "exchanged" : "as in the file",
+                as_filed,
+                exchanged);
+  input->grid_report += text;
+  if (exchanged > as_filed) input->camera.micro_lens_grid = swapped;
 }
 
 }  // namespace
@@ -78,6 +121,7 @@ RawInput OpenRawInput(const std::string& folder,
   const std::string white = white_path.empty() ? input.sequence->WhiteImagePath() : white_path;
   if (!white.empty()) input.white = ReadWhiteImage(white, input.camera);
   RefineCameraGrid(grid_path.empty() ? camera_path : grid_path, &input);
+  DecideTypeOrder(&input);
   return input;
 }
 
