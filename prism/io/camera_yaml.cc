@@ -3,102 +3,24 @@
 #include "prism/io/camera_yaml.h"
 
 #include <array>
-#include <cmath>
-#include <set>
 #include <sstream>
 
 #include <yaml-cpp/yaml.h>
 
 #include "prism/base/error.h"
-#include "prism/io/atomic_file.h"
-#include "prism/io/camera_number.h"
+#include "prism/io/yaml_section.h"
 
 namespace prism {
 namespace {
 
-// One map of the file: typed access to its keys, and at the end a check that all were known.
-class Section {
- public:
-  Section(const std::string& path, const std::string& name, const YAML::Node& node)
-      : path_(path), prefix_(name.empty() ? "" : name + "."), node_(node) {
-    if (!node.IsMap()) {
-      throw InputError(path, name.empty() ? "no map" : "'" + name + "' that is no map", "keys");
-    }
-  }
-
-  bool Has(const std::string& key) {
-    known_.insert(key);
-    return node_[key].IsDefined();
-  }
-
-  YAML::Node Get(const std::string& key, const std::string& expected) {
-    if (!Has(key)) throw InputError(path_, "no key '" + prefix_ + key + "'", expected);
-    return node_[key];
-  }
-
-  template <typename T>
-  T Value(const std::string& key, const std::string& expected) {
-    return As<T>(key, Get(key, expected), expected);
-  }
-
-  template <typename T>
-  T ValueOr(const std::string& key, T fallback, const std::string& expected) {
-    return Has(key) ? Value<T>(key, expected) : fallback;
-  }
-
-  Eigen::Vector2d Pair(const std::string& key, const std::string& expected) {
-    const YAML::Node node = Get(key, expected);
-    if (!node.IsSequence() || node.size() != 2) {
-      throw InputError(path_, "'" + prefix_ + key + "' that is no pair", expected);
-    }
-    return {As<double>(key, node[0], expected), As<double>(key, node[1], expected)};
-  }
-
-  // [width, height] in whole pixels.
-  std::array<int, 2> Size(const std::string& key) {
-    const Eigen::Vector2d size = Pair(key, "[width, height] in px");
-    return {ParsePixelCount(size.x(), path_), ParsePixelCount(size.y(), path_)};
-  }
-
-  void RejectUnknownKeys() const {
-    for (const auto& entry : node_) {
-      const auto key = entry.first.as<std::string>();
-      if (known_.count(key) > 0) continue;
-      std::string expected = "one of";
-      for (const std::string& name : known_) expected += " " + prefix_ + name;
-      throw InputError(path_, "the unknown key '" + prefix_ + key + "'", expected);
-    }
-  }
-
- private:
-  template <typename T>
-  T As(const std::string& key, const YAML::Node& node, const std::string& expected) const {
-    try {
-      const T value = node.as<T>();
-      if constexpr (std::is_floating_point_v<T>) {
-        if (!std::isfinite(value)) throw YAML::BadConversion(node.Mark());
-      }
-      return value;
-    } catch (const YAML::Exception&) {
-      const std::string text = node.IsScalar() ? "'" + node.Scalar() + "'" : "a list or map";
-      throw InputError(path_, "'" + prefix_ + key + "' of " + text, expected);
-    }
-  }
-
-  std::string path_;
-  std::string prefix_;
-  YAML::Node node_;
-  std::set<std::string> known_;
-};
-
 MicroLensGrid ReadGrid(const std::string& path, const YAML::Node& node) {
-  Section section(path, "micro_lens_grid", node);
+  YamlSection section(path, "micro_lens_grid", node);
   MicroLensGrid grid;
   grid.diameter_px = section.Value<double>("diameter_px", "the micro-image pitch in raw px");
   grid.rotation = section.ValueOr("rotation_rad", grid.rotation, "an angle in rad");
-  grid.offset_px = section.Pair("offset_px", "[x, y] in raw px from the image centre, y up");
-  grid.base_x = section.Pair("base_x", "[x, y] in diameters, y up");
-  grid.base_y = section.Pair("base_y", "[x, y] in diameters, y up");
+  grid.offset_px = section.Vector<2>("offset_px", "[x, y] in raw px from the image centre, y up");
+  grid.base_x = section.Vector<2>("base_x", "[x, y] in diameters, y up");
+  grid.base_y = section.Vector<2>("base_y", "[x, y] in diameters, y up");
   grid.lens_border_px = section.ValueOr("lens_border_px", grid.lens_border_px, "a width in raw px");
   grid.total_covering_plane =
       section.ValueOr("total_covering_plane", grid.total_covering_plane, "a virtual depth");
@@ -106,11 +28,11 @@ MicroLensGrid ReadGrid(const std::string& path, const YAML::Node& node) {
   section.RejectUnknownKeys();
   grid.types.clear();
   for (const YAML::Node& type_node : types) {
-    Section type_section(path, "micro_lens_grid.lens_types", type_node);
+    YamlSection type_section(path, "micro_lens_grid.lens_types", type_node);
     MicroLensType type;
-    type.offset = type_section.Pair("offset", "[x, y] in diameters, y up");
+    type.offset = type_section.Vector<2>("offset", "[x, y] in diameters, y up");
     const Eigen::Vector2d range =
-        type_section.Pair("virtual_depth_range", "[min, max] virtual depth");
+        type_section.Vector<2>("virtual_depth_range", "[min, max] virtual depth");
     type.min_virtual_depth = range.x();
     type.max_virtual_depth = range.y();
     type_section.RejectUnknownKeys();
@@ -119,7 +41,7 @@ MicroLensGrid ReadGrid(const std::string& path, const YAML::Node& node) {
   return grid;
 }
 
-PlenopticCamera ReadPlenoptic(const std::string& path, Section& section) {
+PlenopticCamera ReadPlenoptic(const std::string& path, YamlSection& section) {
   PlenopticCamera camera;
   const std::array<int, 2> size = section.Size("image_size_px");
   camera.raw_width = size[0];
@@ -129,13 +51,13 @@ PlenopticCamera ReadPlenoptic(const std::string& path, Section& section) {
   camera.main_lens_mla_distance =
       1e-3 * section.Value<double>("main_lens_mla_distance_mm", "b_L0 in mm");
   camera.sensor_mla_distance = 1e-3 * section.Value<double>("sensor_mla_distance_mm", "B in mm");
-  camera.raw_principal_point = section.Pair("principal_point_px", "[x, y] in raw px");
+  camera.raw_principal_point = section.Vector<2>("principal_point_px", "[x, y] in raw px");
   camera.focused_scale =
       section.ValueOr("focused_scale", camera.focused_scale, "raw width / focused width");
   camera.adjust_micro_lens_centers = section.ValueOr(
       "adjust_micro_lens_centers", camera.adjust_micro_lens_centers, "true or false");
   if (section.Has("distortion")) {
-    Section distortion(path, "distortion", section.Get("distortion", ""));
+    YamlSection distortion(path, "distortion", section.Get("distortion", ""));
     camera.distortion.A0 = 1e6 * distortion.ValueOr("A0_per_mm2", 0.0, "a number in 1/mm^2");
     camera.distortion.A1 = 1e12 * distortion.ValueOr("A1_per_mm4", 0.0, "a number in 1/mm^4");
     camera.distortion.B0 = 1e3 * distortion.ValueOr("B0_per_mm", 0.0, "a number in 1/mm");
@@ -148,15 +70,15 @@ PlenopticCamera ReadPlenoptic(const std::string& path, Section& section) {
   return camera;
 }
 
-PinholeCamera ReadPinhole(Section& section) {
+PinholeCamera ReadPinhole(YamlSection& section) {
   PinholeCamera camera;
   const std::array<int, 2> size = section.Size("image_size_px");
   camera.width = size[0];
   camera.height = size[1];
-  const Eigen::Vector2d f = section.Pair("focal_length_px", "[fx, fy] in px");
+  const Eigen::Vector2d f = section.Vector<2>("focal_length_px", "[fx, fy] in px");
   camera.fx = f.x();
   camera.fy = f.y();
-  const Eigen::Vector2d c = section.Pair("principal_point_px", "[cx, cy] in px");
+  const Eigen::Vector2d c = section.Vector<2>("principal_point_px", "[cx, cy] in px");
   camera.cx = c.x();
   camera.cy = c.y();
   return camera;
@@ -164,7 +86,7 @@ PinholeCamera ReadPinhole(Section& section) {
 
 AnyCamera ReadNode(const std::string& path, const YAML::Node& node) {
   constexpr char kModels[] = "'plenoptic' or 'pinhole'";
-  Section section(path, "", node);
+  YamlSection section(path, "", node);
   const auto model = section.Value<std::string>("model", kModels);
   AnyCamera camera;
   if (model == "plenoptic") {
@@ -207,14 +129,8 @@ void WriteGrid(const MicroLensGrid& grid, std::ostream& out) {
 }  // namespace
 
 AnyCamera ReadCameraYaml(const std::string& path) {
-  const std::string text = ReadTextFile(path);
-  try {
-    return ReadNode(path, YAML::Load(text));
-  } catch (const YAML::Exception& error) {
-    throw InputError(path,
-                     "'" + error.msg + "' in line " + std::to_string(error.mark.line + 1),
-                     "a camera in YAML");
-  }
+  return ParseYamlFile(
+      path, "a camera in YAML", [&](const YAML::Node& node) { return ReadNode(path, node); });
 }
 
 std::string CameraYaml(const PlenopticCamera& camera) {

@@ -232,7 +232,7 @@ TEST_F(CameraFileTest, BadFilesNameFileFoundAndExpected) {
       {"nan.yaml", Replace(good, "16.748", ".nan"), "'focal_length_mm' of '.nan'", "f_L in mm"},
       {"word.yaml", Replace(good, "0.376", "small"), "'small'", "B in mm"},
       {"model.yaml", Replace(good, "plenoptic", "fisheye"), "the model 'fisheye'", "'pinhole'"},
-      {"pair.yaml", Replace(good, "[1018.7, 1054.2]", "[1018.7]"), "no pair", "raw px"},
+      {"pair.yaml", Replace(good, "[1018.7, 1054.2]", "[1018.7]"), "no list of 2", "raw px"},
       {"size.yaml", Replace(good, "[2048, 2048]", "[2048.5, 2048]"), "2048.5", "whole"},
       {"size2.yaml", Replace(good, "[2048, 2048]", "[1e30, 2048]"), "1e+30", "whole"},
       {"broken.yaml", "model: [plenoptic\n", "line", "YAML"},
