@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/io/image_file.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "prism/base/error.h"
+#include "prism/io/atomic_file.h"
 
 namespace prism {
 namespace {
@@ -46,6 +49,15 @@ cv::Mat Read16BitImage(const std::string& path, int width, int height) {
                      "one channel of 16 bits");
   }
   return image;
+}
+
+void WriteImage(const std::string& path, const cv::Mat& image) {
+  // Encoded in memory: OpenCV does not report a disk that fills up while it writes.
+  std::vector<uint8_t> bytes;
+  if (!cv::imencode(std::filesystem::path(path).extension().string(), image, bytes)) {
+    throw InputError(path, "an image that does not encode", "a format for this pixel type");
+  }
+  WriteTextAtomically(path, std::string(bytes.begin(), bytes.end()));
 }
 
 cv::Mat ReadImageUnchanged(const std::string& path) { return Decode(path, cv::IMREAD_UNCHANGED); }

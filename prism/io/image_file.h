@@ -18,6 +18,10 @@ cv::Mat Read16BitImage(const std::string& path, int width, int height);
 // Decodes an image as it is stored (8 or 16 bits, 1 or 3 channels). Errors as above.
 cv::Mat ReadImageUnchanged(const std::string& path);
 
+// Writes an image, whole or not at all, in the format of the name's extension. Throws InputError if
+// that cannot be done (no such folder, disk full).
+void WriteImage(const std::string& path, const cv::Mat& image);
+
 // Throws InputError unless the image has this size.
 void RequireImageSize(const std::string& path, const cv::Mat& image, int width, int height);
 

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/sim/plenoptic_optics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glog/logging.h>
+
+namespace prism {
+
+bool OpticsOptions::IsValid(std::string* error) const {
+  if (!(micro_lens_aperture >= 0 && micro_lens_aperture <= 1)) {
+    *error = "micro-lens aperture of " + std::to_string(micro_lens_aperture) +
+             " pitches, expected 0 (pinhole) to 1";
+  } else if (!(main_lens_aperture > 0 && main_lens_aperture <= 2)) {
+    *error = "main-lens aperture of " + std::to_string(main_lens_aperture) +
+             ", expected more than 0 and up to 2 (1 fills the pitch)";
+  } else {
+    return true;
+  }
+  return false;
+}
+
+PlenopticOptics::PlenopticOptics(const PlenopticCamera& camera, const OpticsOptions& options)
+    : camera_(camera) {
+  CHECK(camera.micro_lens_grid.has_value());
+  const double pitch = camera.micro_lens_grid->diameter_px * camera.raw_pixel_size;
+  const double b_L0 = camera.main_lens_mla_distance;
+  const double B = camera.sensor_mla_distance;
+  // Pitch of the micro lenses themselves, Eq. (8).
+  const double lens_pitch = camera.adjust_micro_lens_centers ? pitch * b_L0 / (b_L0 + B) : pitch;
+  micro_lens_radius_ = 0.5 * options.micro_lens_aperture * lens_pitch;
+  main_lens_radius_ = 0.5 * options.main_lens_aperture * pitch * b_L0 / B;
+  for (const MicroLensType& type : camera.micro_lens_grid->types) {
+    const double nearest = std::min(0.5, 1 / type.min_virtual_depth);
+    inverse_focus_.push_back(0.5 * (nearest + 1 / type.max_virtual_depth));
+  }
+}
+
+PlenopticOptics::MicroLens PlenopticOptics::LensOf(const Eigen::Vector2d& raw_px) const {
+  const MicroLensGrid& grid = *camera_.micro_lens_grid;
+  const LensIndex index = grid.NearestLens(raw_px, camera_.raw_width, camera_.raw_height);
+  const Eigen::Vector2d c_I = grid.MicroImageCenter(index, camera_.raw_width, camera_.raw_height) -
+                              camera_.raw_principal_point;
+  MicroLens lens;
+  lens.center = camera_.distortion.Undistort(c_I * camera_.raw_pixel_size);
+  if (camera_.adjust_micro_lens_centers) {
+    const double b_L0 = camera_.main_lens_mla_distance;
+    lens.center *= b_L0 / (b_L0 + camera_.sensor_mla_distance);  // Eq. (8)
+  }
+  lens.type = grid.TypeOf(index);
+  return lens;
+}
+
+bool PlenopticOptics::Trace(const Eigen::Vector2d& raw_px,
+                            const MicroLens& lens,
+                            const Eigen::Vector2d& lens_sample,
+                            Ray* ray) const {
+  const Eigen::Vector2d p =
+      camera_.distortion.Undistort((raw_px - camera_.raw_principal_point) * camera_.raw_pixel_size);
+  const Eigen::Vector2d u = lens_sample * micro_lens_radius_;
+  const Eigen::Vector2d m =
+      (p - lens.center - u * inverse_focus_[lens.type]) / camera_.sensor_mla_distance;
+  const Eigen::Vector2d a = lens.center + u - m * camera_.main_lens_mla_distance;
+  if (a.squaredNorm() > main_lens_radius_ * main_lens_radius_) return false;
+  ray->origin_xy = -a;
+  ray->direction_xy = m + a / camera_.focal_length;
+  const double cos2 = 1 / (1 + m.squaredNorm());
+  ray->cos4 = cos2 * cos2;
+  return true;
+}
+
+double PlenopticOptics::SpotDiameter(int type, double v) const {
+  return 2 * micro_lens_radius_ * std::abs(1 / v - inverse_focus_[type]) / camera_.raw_pixel_size;
+}
+
+double PlenopticOptics::SpotDiameterAtDepth(int type, double z) const {
+  const double b_L = 1 / (1 / camera_.focal_length - 1 / z);  // Eq. (2)
+  return SpotDiameter(type, (b_L - camera_.main_lens_mla_distance) / camera_.sensor_mla_distance);
+}
+
+double PlenopticOptics::Footprint(double z) const {
+  const double f = camera_.focal_length;
+  const double b_L0 = camera_.main_lens_mla_distance;
+  return camera_.raw_pixel_size / camera_.sensor_mla_distance * std::abs(z * (1 - b_L0 / f) + b_L0);
+}
+
+}  // namespace prism

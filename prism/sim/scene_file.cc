@@ -1,0 +1,308 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/sim/scene_file.h"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "prism/base/error.h"
+#include "prism/io/yaml_section.h"
+#include "prism/sim/built_in_scenes.h"
+#include "prism/sim/furniture.h"
+#include "prism/sim/lighting.h"
+#include "prism/sim/mesh_file.h"
+#include "prism/sim/procedural_texture.h"
+#include "prism/sim/ray_caster.h"
+#include "prism/sim/scene_builder.h"
+
+namespace prism {
+namespace {
+
+constexpr char kPosition[] = "[x, y, z] in m, z up";
+constexpr char kSizeMetres[] = "[width, depth, height] in m";
+
+// What the objects of one description have in common.
+struct Context {
+  std::string path;
+  std::map<std::string, SurfaceTexture> textures;
+  SimScene scene;
+
+  SurfaceTexture TextureOf(YamlSection& object, const std::string& key) const {
+    const auto name = object.Value<std::string>(key, "the name of a texture");
+    const auto found = textures.find(name);
+    if (found == textures.end()) {
+      throw InputError(path, "the unknown texture '" + name + "'", "a name under 'textures'");
+    }
+    return found->second;
+  }
+
+  std::string Resolve(const std::string& file) const {
+    return (std::filesystem::path(path).parent_path() / file).string();
+  }
+};
+
+Eigen::Isometry3d PlacementOf(YamlSection& object) {
+  return Placement(object.Vector<3>("position", kPosition),
+                   object.ValueOr("yaw_deg", 0.0, "an angle in degrees"));
+}
+
+Rgb ColourOr(YamlSection& section, const std::string& key, const Rgb& fallback) {
+  if (!section.Has(key)) return fallback;
+  return section.Vector<3>(key, "[red, green, blue]").cast<float>().array();
+}
+
+void ReadTextureEntry(const std::string& name, const YAML::Node& node, Context* context) {
+  YamlSection section(context->path, "textures." + name, node);
+  SurfaceTexture texture;
+  texture.index = static_cast<int>(context->scene.textures.size());
+  texture.style.tint = ColourOr(section, "tint", Rgb::Ones());
+  if (section.Has("size_m")) {
+    texture.style.texture_size = section.Vector<2>("size_m", "[width, height] in m");
+    if (!(texture.style.texture_size.minCoeff() > 0)) {
+      throw InputError(context->path, "textures." + name + ".size_m that is not > 0", "m");
+    }
+  }
+  if (section.Has("file")) {
+    const auto file = section.Value<std::string>("file", "an image");
+    context->scene.textures.push_back(ReadTexture(context->Resolve(file)));
+  } else {
+    const auto kind = section.Value<std::string>("kind", "a kind of texture (or 'file')");
+    const auto& kinds = ProceduralTextureKinds();
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+      std::string expected = "one of";
+      for (const std::string& k : kinds) expected += " " + k;
+      throw InputError(context->path, "the texture kind '" + kind + "'", expected);
+    }
+    const int pixels = section.ValueOr("pixels", 1024, "a side in px");
+    if (pixels < 16 || pixels > 8192) {
+      throw InputError(context->path, std::to_string(pixels) + " px", "16 to 8192 px");
+    }
+    const auto seed = section.ValueOr<uint64_t>("seed", 1, "a seed");
+    context->scene.textures.emplace_back(MakeTexture(kind, pixels, seed));
+  }
+  section.RejectUnknownKeys();
+  context->textures[name] = texture;
+}
+
+// ---- objects, one function a kind ----
+
+void ReadRoom(YamlSection& object, Context* context) {
+  const Eigen::Vector3d position = object.Vector<3>("position", kPosition);
+  const Eigen::Vector3d size = object.Vector<3>("size", kSizeMetres);
+  const SurfaceTexture wall = context->TextureOf(object, "walls");
+  const SurfaceTexture floor = context->TextureOf(object, "floor");
+  const SurfaceTexture ceiling = context->TextureOf(object, "ceiling");
+  SimScene* scene = &context->scene;
+  const Eigen::Vector3d low = position - Eigen::Vector3d(0.5 * size.x(), 0.5 * size.y(), 0);
+  const double x = size.x();
+  const double y = size.y();
+  const double z = size.z();
+  SimMesh* walls = MeshOf(wall.index, false, scene);
+  const auto add_wall = [&](const Eigen::Vector3d& corner, const Eigen::Vector3d& right) {
+    AddQuad(low + corner, right, {0, 0, -z}, wall.style, walls);
+  };
+  add_wall({0, y, z}, {x, 0, 0});
+  add_wall({x, y, z}, {0, -y, 0});
+  add_wall({x, 0, z}, {-x, 0, 0});
+  add_wall({0, 0, z}, {0, y, 0});
+  AddQuad(low + Eigen::Vector3d(0, y, 0),
+          {x, 0, 0},
+          {0, -y, 0},
+          floor.style,
+          MeshOf(floor.index, false, scene));
+  AddQuad(low + Eigen::Vector3d(0, 0, z),
+          {x, 0, 0},
+          {0, y, 0},
+          ceiling.style,
+          MeshOf(ceiling.index, false, scene));
+}
+
+void ReadQuad(YamlSection& object, Context* context) {
+  const SurfaceTexture texture = context->TextureOf(object, "texture");
+  AddQuad(object.Vector<3>("corner", kPosition),
+          object.Vector<3>("right", kPosition),
+          object.Vector<3>("down", kPosition),
+          texture.style,
+          MeshOf(texture.index, true, &context->scene));
+}
+
+void ReadBox(YamlSection& object, Context* context) {
+  AddTexturedBox(PlacementOf(object),
+                 object.Vector<3>("size", kSizeMetres),
+                 context->TextureOf(object, "texture"),
+                 &context->scene,
+                 ColourOr(object, "tint", Rgb::Ones()));
+}
+
+void ReadCylinder(YamlSection& object, Context* context) {
+  const SurfaceTexture texture = context->TextureOf(object, "texture");
+  const auto radius = object.Value<double>("radius", "m");
+  AddCylinder(PlacementOf(object),
+              radius,
+              object.ValueOr("top_radius", radius, "m"),
+              object.Value<double>("height", "m"),
+              texture.style,
+              MeshOf(texture.index, false, &context->scene));
+}
+
+void ReadSphere(YamlSection& object, Context* context) {
+  const SurfaceTexture texture = context->TextureOf(object, "texture");
+  AddSphere(PlacementOf(object),
+            object.Value<double>("radius", "m"),
+            texture.style,
+            MeshOf(texture.index, false, &context->scene));
+}
+
+void ReadMesh(YamlSection& object, Context* context) {
+  MeshFileOptions options;
+  options.world_from_mesh = PlacementOf(object);
+  if (object.ValueOr("y_up", false, "true or false")) {
+    options.world_from_mesh.rotate(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+  }
+  options.scale = object.ValueOr("scale", 1.0, "metres a unit of the file");
+  options.double_sided = object.ValueOr("double_sided", true, "true or false");
+  if (object.Has("texture")) options.texture = context->TextureOf(object, "texture").index;
+  const auto file = object.Value<std::string>("file", "a mesh in OBJ, PLY or glTF");
+  AddMeshFile(context->Resolve(file), options, &context->scene);
+}
+
+uint64_t SeedOf(YamlSection& object) { return object.ValueOr<uint64_t>("seed", 1, "a seed"); }
+
+void ReadBookshelf(YamlSection& object, Context* context) {
+  AddBookshelf(PlacementOf(object),
+               object.Vector<3>("size", kSizeMetres),
+               object.ValueOr("shelves", 5, "a count"),
+               context->TextureOf(object, "frame"),
+               context->TextureOf(object, "books"),
+               SeedOf(object),
+               &context->scene);
+}
+
+void ReadTable(YamlSection& object, Context* context) {
+  AddTable(PlacementOf(object),
+           object.Vector<3>("size", kSizeMetres),
+           context->TextureOf(object, "wood"),
+           context->TextureOf(object, "things"),
+           object.ValueOr("num_things", 8, "a count"),
+           SeedOf(object),
+           &context->scene);
+}
+
+void ReadChair(YamlSection& object, Context* context) {
+  AddChair(PlacementOf(object),
+           context->TextureOf(object, "wood"),
+           context->TextureOf(object, "seat"),
+           &context->scene);
+}
+
+void ReadSofa(YamlSection& object, Context* context) {
+  AddSofa(PlacementOf(object),
+          object.Vector<3>("size", kSizeMetres),
+          context->TextureOf(object, "fabric"),
+          context->TextureOf(object, "cushions"),
+          SeedOf(object),
+          &context->scene);
+}
+
+void ReadPlant(YamlSection& object, Context* context) {
+  AddPlant(PlacementOf(object),
+           object.Value<double>("height", "m"),
+           context->TextureOf(object, "pot"),
+           context->TextureOf(object, "leaves"),
+           SeedOf(object),
+           &context->scene);
+}
+
+void ReadFacade(YamlSection& object, Context* context) {
+  AddFacade(PlacementOf(object),
+            object.Vector<3>("size", kSizeMetres),
+            object.Value<int>("columns", "windows in a row"),
+            object.Value<int>("floors", "rows of windows"),
+            context->TextureOf(object, "wall"),
+            context->TextureOf(object, "frame"),
+            context->TextureOf(object, "glass"),
+            &context->scene);
+}
+
+void ReadObject(const YAML::Node& node, Context* context) {
+  using Reader = void (*)(YamlSection&, Context*);
+  static const auto* readers = new std::map<std::string, Reader>{{"room", ReadRoom},
+                                                                 {"quad", ReadQuad},
+                                                                 {"box", ReadBox},
+                                                                 {"cylinder", ReadCylinder},
+                                                                 {"sphere", ReadSphere},
+                                                                 {"mesh", ReadMesh},
+                                                                 {"bookshelf", ReadBookshelf},
+                                                                 {"table", ReadTable},
+                                                                 {"chair", ReadChair},
+                                                                 {"sofa", ReadSofa},
+                                                                 {"plant", ReadPlant},
+                                                                 {"facade", ReadFacade}};
+  YamlSection object(context->path, "objects", node);
+  std::string expected = "one of";
+  for (const auto& [kind, reader] : *readers) expected += " " + kind;
+  const auto kind = object.Value<std::string>("kind", expected);
+  const auto reader = readers->find(kind);
+  if (reader == readers->end()) {
+    throw InputError(context->path, "an object of kind '" + kind + "'", expected);
+  }
+  reader->second(object, context);
+  object.RejectUnknownKeys();
+}
+
+SimScene ReadRoot(const std::string& path, const YAML::Node& node) {
+  Context context;
+  context.path = path;
+  SimScene& scene = context.scene;
+  YamlSection root(path, "", node);
+  scene.name = root.Value<std::string>("name", "the scene's name");
+  scene.ambient = root.ValueOr("ambient", scene.ambient, "irradiance under an open sky");
+  scene.background = ColourOr(root, "background", scene.background);
+  if (root.Has("sun")) {
+    YamlSection sun(path, "sun", root.Get("sun", ""));
+    scene.sun_direction =
+        sun.Vector<3>("direction", "[x, y, z] towards the sun").normalized().cast<float>();
+    scene.sun = sun.Value<float>("irradiance", "a number");
+    sun.RejectUnknownKeys();
+  }
+  YamlSection motion(path, "path", root.Get("path", "where trajectories take place"));
+  scene.path.position = motion.Vector<3>("position", kPosition);
+  scene.path.target = motion.Vector<3>("target", kPosition);
+  scene.path.extent = motion.Value<double>("extent_m", "of the motion");
+  motion.RejectUnknownKeys();
+  for (const auto& lamp_node : root.Has("lamps") ? root.Get("lamps", "") : YAML::Node()) {
+    YamlSection lamp(path, "lamps", lamp_node);
+    scene.lamps.push_back({lamp.Vector<3>("position", kPosition).cast<float>(),
+                           lamp.Value<float>("size", "a side in m"),
+                           lamp.Value<float>("power", "irradiance at 1 m")});
+    lamp.RejectUnknownKeys();
+  }
+  for (const auto& entry : root.Get("textures", "textures by name")) {
+    ReadTextureEntry(entry.first.as<std::string>(), entry.second, &context);
+  }
+  for (const auto& object : root.Get("objects", "a list of objects")) ReadObject(object, &context);
+  root.RejectUnknownKeys();
+  if (scene.meshes.empty()) throw InputError(path, "no objects", "at least one");
+  return scene;
+}
+
+}  // namespace
+
+std::vector<std::string> BuiltInScenes() { return {"facade", "plane", "room"}; }
+
+SimScene ReadScene(const std::string& name_or_path) {
+  constexpr char kExpected[] = "a scene description in YAML";
+  const auto read = [&](const YAML::Node& node) { return ReadRoot(name_or_path, node); };
+  const std::map<std::string, const char*> built_in = {
+      {"facade", kFacadeScene}, {"plane", kPlaneScene}, {"room", kRoomScene}};
+  const auto found = built_in.find(name_or_path);
+  SimScene scene = found != built_in.end()
+                       ? ParseYamlText(name_or_path, found->second, kExpected, read)
+                       : ParseYamlFile(name_or_path, kExpected, read);
+  const RayCaster caster(scene);
+  BakeLighting(caster, 1, &scene);
+  return scene;
+}
+
+}  // namespace prism

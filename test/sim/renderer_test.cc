@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/sim/renderer.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <opencv2/core.hpp>
+
+#include "prism/sim/sensor.h"
+#include "test/sim/test_scene.h"
+
+namespace prism {
+namespace {
+
+double InverseVirtualDepthAt(const PlenopticCamera& camera, double z) {
+  const double b_L = camera.focal_length * z / (z - camera.focal_length);
+  return camera.sensor_mla_distance / (b_L - camera.main_lens_mla_distance);
+}
+
+TEST(DepthTruthTest, AFrontoParallelPlaneHasOneInverseVirtualDepth) {
+  const PlenopticCamera camera = SmallCamera();
+  SimScene scene = WhiteScene();
+  AddPatch({0, 0, 1.25}, {4, 0, 0}, {0, 4, 0}, &scene);
+  const DepthTruth truth = RenderDepthTruth(RayCaster(scene), camera, SE3());
+  const double expected = InverseVirtualDepthAt(camera, 1.25);
+  for (int y = 0; y < truth.depth.height(); ++y) {
+    for (int x = 0; x < truth.depth.width(); ++x) {
+      ASSERT_NEAR(truth.inverse_virtual_depth(x, y), expected, 1e-6) << x << " " << y;
+      ASSERT_NEAR(truth.depth(x, y), 1.25, 1e-6);
+    }
+  }
+}
+
+TEST(DepthTruthTest, ASlantedPlaneSeenFromElsewhereFollowsTheClosedForm) {
+  const PlenopticCamera camera = SmallCamera();
+  SimScene scene = WhiteScene();
+  const Eigen::Vector3d on_plane(0.1, -0.2, 2.0);
+  const Eigen::Vector3d right(6, 0.5, 3);
+  const Eigen::Vector3d down(-0.5, 6, 1);
+  AddPatch(on_plane, right, down, &scene);
+  Vector6d twist;
+  twist << 0.2, -0.1, 0.3, 0.1, -0.15, 0.4;
+  const SE3 world_from_cam = SE3::Exp(twist);
+  const DepthTruth truth = RenderDepthTruth(RayCaster(scene), camera, world_from_cam);
+  // The plane n . x = d in the camera frame.
+  const Eigen::Vector3d n = world_from_cam.Inverse().RotationMatrix() * right.cross(down);
+  const double d = n.dot(world_from_cam.Inverse() * on_plane);
+  const double s = camera.raw_pixel_size * 2;
+  const Eigen::Vector2d c = (camera.raw_principal_point.array() + 0.5) / 2 - 0.5;
+  for (int y = 0; y < truth.depth.height(); ++y) {
+    for (int x = 0; x < truth.depth.width(); ++x) {
+      // x_C = ((z - f) m, z), so n.x (z - f) m.x + n.y (z - f) m.y + n.z z = d.
+      const double f = camera.focal_length;
+      const double k = (n.x() * (x - c.x()) + n.y() * (y - c.y())) * s / f;
+      const double z = (d + k * f) / (k + n.z());
+      ASSERT_NEAR(truth.inverse_virtual_depth(x, y), InverseVirtualDepthAt(camera, z), 1e-6)
+          << x << " " << y << " z " << z;
+    }
+  }
+}
+
+TEST(DepthTruthTest, NothingHitIsZero) {
+  SimScene scene = WhiteScene();
+  AddPatch({0, 0, -1}, {1, 0, 0}, {0, 1, 0}, &scene);
+  const DepthTruth truth = RenderDepthTruth(RayCaster(scene), SmallCamera(), SE3());
+  EXPECT_EQ(truth.inverse_virtual_depth(100, 100), 0);
+  EXPECT_EQ(truth.depth(100, 100), 0);
+}
+
+TEST(RenderTest, DoesNotDependOnTheNumberOfThreadsButOnTheSeed) {
+  SimScene scene = WhiteScene();
+  AddPatch({0, 0, 1}, {0.3, 0.1, 0}, {0, 0.2, 0}, &scene);
+  const RayCaster caster(scene);
+  const PlenopticOptics optics(SmallCamera(), OpticsOptions());
+  RenderOptions options;
+  SensorOptions sensor;
+  const auto render = [&](size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return ReadSensor(RenderRaw(caster, optics, {SE3()}, options, 3), 0.8, sensor, 3);
+  };
+  const cv::Mat one = render(1);
+  EXPECT_EQ(cv::norm(one, render(2), cv::NORM_INF), 0);
+  options.seed = 2;
+  EXPECT_GT(cv::norm(one, render(2), cv::NORM_INF), 0);
+}
+
+TEST(RenderTest, MotionDuringTheExposureBlurs) {
+  SimScene scene = WhiteScene();
+  AddPatch({0, 0, 1}, {0.02, 0, 0}, {0, 0.02, 0}, &scene);
+  const RayCaster caster(scene);
+  const PlenopticOptics optics(SmallCamera(), OpticsOptions());
+  const auto moved = [](double x) { return SE3(Eigen::Quaterniond::Identity(), {x, 0, 0}); };
+  const auto lit = [&](const std::vector<SE3>& poses) {
+    RenderOptions options;
+    options.samples = 16;
+    cv::Mat channel;
+    cv::extractChannel(RenderRaw(caster, optics, poses, options, 0), channel, 0);
+    return cv::countNonZero(channel);
+  };
+  EXPECT_GT(lit({moved(-0.01), moved(0), moved(0.01)}), 1.3 * lit({moved(0)}));
+}
+
+TEST(SensorTest, NoiseHasTheVarianceOfShotAndReadNoise) {
+  const cv::Mat radiance(400, 400, CV_32FC1, cv::Scalar(0.5));
+  SensorOptions options;
+  options.bits = 16;
+  options.full_well_electrons = 5000;
+  options.read_noise_electrons = 20;
+  cv::Scalar mean;
+  cv::Scalar sigma;
+  cv::meanStdDev(ReadSensor(radiance, 1.0, options, 0), mean, sigma);
+  EXPECT_NEAR(mean[0] / 65535, 0.5, 2e-4);
+  EXPECT_NEAR(sigma[0] / 65535, std::sqrt(0.5 * 5000 + 400) / 5000, 2e-4);
+}
+
+TEST(SensorTest, BitsBayerAndClipping) {
+  const cv::Mat radiance(4, 4, CV_32FC3, cv::Scalar(0.1, 0.4, 3.0));  // blue, green, red
+  SensorOptions options;
+  options.full_well_electrons = 0;
+  options.colour = SensorColour::kBayerRggb;
+  const cv::Mat bayer = ReadSensor(radiance, 1.0, options, 0);
+  ASSERT_EQ(bayer.type(), CV_8UC1);
+  EXPECT_EQ(bayer.at<uint8_t>(0, 0), 255);
+  EXPECT_EQ(bayer.at<uint8_t>(0, 1), 102);
+  EXPECT_EQ(bayer.at<uint8_t>(1, 0), 102);
+  EXPECT_EQ(bayer.at<uint8_t>(1, 1), 26);
+  options.colour = SensorColour::kColour;
+  options.bits = 10;
+  const cv::Mat colour = ReadSensor(radiance, 1.0, options, 0);
+  ASSERT_EQ(colour.type(), CV_16UC3);
+  EXPECT_EQ(colour.at<cv::Vec3w>(2, 2)[1], std::lround(std::round(0.4 * 1023) * 65535 / 1023));
+}
+
+}  // namespace
+}  // namespace prism

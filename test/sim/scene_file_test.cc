@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/sim/scene_file.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "prism/base/error.h"
+#include "prism/io/atomic_file.h"
+#include "prism/sim/mesh_file.h"
+#include "prism/sim/procedural_texture.h"
+#include "prism/sim/ray_caster.h"
+
+namespace prism {
+namespace {
+
+using testing::HasSubstr;
+
+class SceneFileTest : public testing::Test {
+ protected:
+  SceneFileTest() : folder_(testing::TempDir() + "scene_file_test/") { CreateDirectory(folder_); }
+  ~SceneFileTest() override { std::filesystem::remove_all(folder_); }
+
+  std::string Write(const std::string& name, const std::string& text) const {
+    WriteTextAtomically(folder_ + name, text);
+    return folder_ + name;
+  }
+
+  std::string SceneWith(const std::string& textures, const std::string& objects) const {
+    return Write("scene.yaml",
+                 "name: test\npath: {position: [0, 0, 1], target: [1, 0, 1], extent_m: 0.2}\n"
+                 "textures:\n  white: {kind: white, pixels: 16}\n" +
+                     textures + "objects:\n" + objects);
+  }
+
+  static std::string ErrorOf(const std::string& path) {
+    try {
+      ReadScene(path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::string folder_;
+};
+
+const char kTriangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
+
+TEST_F(SceneFileTest, BuiltInScenesLoadWithTheirStartInFreeSpace) {
+  for (const std::string& name : BuiltInScenes()) {
+    const SimScene scene = ReadScene(name);
+    const RayCaster caster(scene);
+    EXPECT_FALSE(caster.IsInside(scene.path.position)) << name;
+    EXPECT_GT(caster.Clearance(scene.path.position), 0.2) << name;
+    if (name == "facade") {  // a street 60 m long
+      EXPECT_NEAR(caster.Cast({{0, 0, 1.7f}, {1, 0, 0}}).t, 60, 1);
+    }
+  }
+}
+
+TEST_F(SceneFileTest, InsideABoxIsInsideAndInsideARoomIsNot) {
+  const SimScene scene = ReadScene(
+      SceneWith("",
+                "  - {kind: room, position: [0, 0, 0], size: [4, 4, 2.5], walls: white, floor: "
+                "white, ceiling: white}\n"
+                "  - {kind: box, position: [1, 0, 0.5], size: [0.5, 0.5, 0.5], texture: white}\n"));
+  const RayCaster caster(scene);
+  EXPECT_TRUE(caster.IsInside({1, 0, 0.75}));
+  EXPECT_FALSE(caster.IsInside({0, 0, 0.75}));
+}
+
+TEST_F(SceneFileTest, ReadsObjPlyAndGltfMeshes) {
+  Write("mesh.obj", std::string(kTriangle) + "f 1/1 2/2 3/3\n");
+  Write("mesh.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  // Three float positions: (0,0,0), (1,0,0), (0,1,0).
+  Write("mesh.gltf",
+        R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,)"
+        R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [0, 0, 0], "max": [1, 1, 0]}]})");
+  for (const std::string file : {"mesh.obj", "mesh.ply", "mesh.gltf"}) {
+    const SimScene scene = ReadScene(
+        SceneWith("", "  - {kind: mesh, file: " + file + ", position: [0, 0, 2], scale: 2}\n"));
+    const RayCaster caster(scene);
+    const SimHit hit = caster.Cast({{1.5f, 0.25f, 5}, {0, 0, -1}});
+    ASSERT_TRUE(hit.found()) << file;
+    EXPECT_NEAR(hit.t, 3, 1e-5) << file;
+    EXPECT_FALSE(caster.Cast({{1.5f, 0.75f, 5}, {0, 0, -1}}).found()) << file;
+  }
+}
+
+TEST_F(SceneFileTest, AMeshShowsItsTexture) {
+  cv::Mat image(2, 2, CV_8UC3, cv::Scalar(0, 0, 255));  // red
+  ASSERT_TRUE(cv::imwrite(folder_ + "red.png", image));
+  Write("mesh.mtl", "newmtl m\nmap_Kd red.png\n");
+  Write("mesh.obj", "mtllib mesh.mtl\n" + std::string(kTriangle) + "usemtl m\nf 1/1 2/2 3/3\n");
+  SimScene scene;
+  AddMeshFile(folder_ + "mesh.obj", MeshFileOptions(), &scene);
+  const RayCaster caster(scene);
+  const Rgb seen = caster.Radiance(caster.Cast({{0.2f, 0.2f, 1}, {0, 0, -1}}), 0, 0);
+  EXPECT_NEAR(seen[0], 1, 1e-5);
+  EXPECT_NEAR(seen[2], 0, 1e-5);
+}
+
+TEST_F(SceneFileTest, BadScenesNameTheCause) {
+  const std::string box = "  - {kind: box, position: [0, 0, 0], size: [1, 1, 1], texture: ";
+  EXPECT_THAT(ErrorOf(folder_ + "none.yaml"), HasSubstr("no readable file"));
+  EXPECT_THAT(ErrorOf(SceneWith("", box + "missing}\n")), HasSubstr("unknown texture 'missing'"));
+  EXPECT_THAT(ErrorOf(SceneWith("  photo: {file: photo.png}\n", box + "photo}\n")),
+              HasSubstr("photo.png: found no such file"));
+  EXPECT_THAT(ErrorOf(SceneWith("  x: {kind: velvet}\n", box + "x}\n")), HasSubstr("'velvet'"));
+  EXPECT_THAT(ErrorOf(SceneWith("", "  - {kind: ghost}\n")), HasSubstr("kind 'ghost'"));
+  EXPECT_THAT(ErrorOf(SceneWith("", box + "white, colour: red}\n")),
+              HasSubstr("unknown key 'objects.colour'"));
+  EXPECT_THAT(ErrorOf(SceneWith("", "  - {kind: mesh, file: none.obj, position: [0, 0, 0]}\n")),
+              HasSubstr("none.obj"));
+  Write("broken.ply", "ply\nformat ascii 1.0\nelement vertex nonsense\n");
+  EXPECT_THAT(ErrorOf(SceneWith("", "  - {kind: mesh, file: broken.ply, position: [0, 0, 0]}\n")),
+              HasSubstr("broken.ply"));
+  Write("untextured.mtl", "newmtl m\nmap_Kd lost.png\n");
+  Write("lost.obj",
+        "mtllib untextured.mtl\n" + std::string(kTriangle) + "usemtl m\nf 1/1 2/2 3/3\n");
+  EXPECT_THAT(ErrorOf(SceneWith("", "  - {kind: mesh, file: lost.obj, position: [0, 0, 0]}\n")),
+              HasSubstr("lost.png: found no such file"));
+  for (const std::string& message : {ErrorOf(SceneWith("", "  - {kind: ghost}\n")),
+                                     ErrorOf(SceneWith("", box + "missing}\n"))}) {
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
+TEST_F(SceneFileTest, TexturesAreReproducibleAndHaveManyScales) {
+  for (const std::string& kind : ProceduralTextureKinds()) {
+    const cv::Mat texture = MakeTexture(kind, 256, 7);
+    EXPECT_EQ(cv::norm(texture, MakeTexture(kind, 256, 7), cv::NORM_INF), 0) << kind;
+    if (kind != "white") {
+      EXPECT_GT(cv::norm(texture, MakeTexture(kind, 256, 8), cv::NORM_INF), 0) << kind;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace prism
