@@ -7,24 +7,12 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/focused_sequence.h"
+#include "prism/io/image_file.h"
 
 namespace prism {
-namespace {
-
-void WriteImage(const std::string& path, const cv::Mat& image) {
-  WriteFileAtomically(path, [&](const std::string& temporary) {
-    if (!cv::imwrite(temporary, image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-      throw InputError(path, "an image that cannot be written", "a writable folder");
-    }
-  });
-}
-
-}  // namespace
 
 RgbdWriter::RgbdWriter(const std::string& folder, const PinholeCamera& camera, double crop_fov_deg)
     : folder_(folder), camera_(camera) {

@@ -7,8 +7,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/image_file.h"
@@ -19,14 +17,6 @@ namespace {
 
 constexpr int kPyramidLevels = 5;
 constexpr double kMaxSigma = 0.1;  // at value 65535
-
-void WriteImage(const std::string& path, const cv::Mat& image) {
-  WriteFileAtomically(path, [&](const std::string& temporary) {
-    if (!cv::imwrite(temporary, image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-      throw InputError(path, "an image that cannot be written", "a writable folder");
-    }
-  });
-}
 
 cv::Mat Encode(const ImageF& image, const ImageF& measured, double offset, double scale) {
   cv::Mat encoded(image.height(), image.width(), CV_16UC1);

@@ -54,7 +54,8 @@ cv::Mat Read16BitImage(const std::string& path, int width, int height) {
 void WriteImage(const std::string& path, const cv::Mat& image) {
   // Encoded in memory: OpenCV does not report a disk that fills up while it writes.
   std::vector<uint8_t> bytes;
-  if (!cv::imencode(std::filesystem::path(path).extension().string(), image, bytes)) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (!cv::imencode(extension, image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
     throw InputError(path, "an image that does not encode", "a format for this pixel type");
   }
   WriteTextAtomically(path, std::string(bytes.begin(), bytes.end()));
