@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The PRISM-VO developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include <chrono>
+#include <sys/resource.h>
+
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -30,6 +31,16 @@ Trajectory Circle(int count, double radius_m, double start_s = 0) {
         {std::llround(1e9 * (start_s + i / 30.0)), SE3(Eigen::Quaterniond::Identity(), position)});
   }
   return trajectory;
+}
+
+// Processor time of all processes this one has waited for: other tests beside it do not count.
+double ChildrenSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
 class PrismEvalTest : public ::testing::Test {
@@ -108,12 +119,11 @@ TEST_F(PrismEvalTest, BadInputIsStatusTwoWithOneLine) {
 TEST_F(PrismEvalTest, EvaluatesAHundredThousandPosesInTwoSeconds) {
   const std::string truth = Write("truth.txt", Circle(100000, 1.0));
   const std::string estimate = Write("estimate.txt", Circle(100000, 0.97));
-  const auto start = std::chrono::steady_clock::now();
+  const double before_s = ChildrenSeconds();
   const ProgramResult run = RunProgram("prism_eval --groundtruth=" + truth +
                                        " --estimate=" + estimate + " --json=" + Path("m.json"));
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   EXPECT_EQ(run.exit_status, 0) << run.output;
-  EXPECT_LT(seconds.count(), 2.0);
+  EXPECT_LT(ChildrenSeconds() - before_s, 2.0);
 }
 
 }  // namespace
