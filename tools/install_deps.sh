@@ -9,7 +9,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   libyaml-cpp-dev libpugixml-dev nlohmann-json3-dev
   libembree-dev libtbb-dev libhwy-dev libassimp-dev
-  libjs-three libjs-dygraphs
+  libjs-three libjs-dygraphs libcpp-httplib-dev
 )
 
 missing=()

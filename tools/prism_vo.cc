@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 
 #include <gflags/gflags.h>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "prism/io/ply_file.h"
 #include "prism/io/trajectory_file.h"
 #include "prism/odometry/odometry.h"
+#include "prism/report/live_view.h"
 #include "prism/report/run_report.h"
 #include "tools/frame_source.h"
 #include "tools/report_recorder.h"
@@ -55,9 +57,24 @@ DEFINE_bool(marginalization_prior,
 DEFINE_bool(first_estimate_jacobians, true, "Frames in the prior keep their linearisation point.");
 DEFINE_bool(affine_brightness, true, "Affine brightness (a, b) of each frame; false: held at 0.");
 DEFINE_bool(robust_loss, true, "Huber norm on all residuals; false: squares.");
+DEFINE_int32(live, 0, "Port to show the run on in a browser while it goes on; 0: not shown.");
+DEFINE_string(live_address, "127.0.0.1", "Address to serve --live on.");
 
 namespace prism {
 namespace {
+
+// Null without --live.
+std::unique_ptr<LiveView> StartLiveView(const RunRecord& record) {
+  if (FLAGS_live == 0) return nullptr;
+  std::string error = "the port " + std::to_string(FLAGS_live);
+  std::unique_ptr<LiveView> live;
+  if (FLAGS_live > 0 && FLAGS_live < 65536) {
+    live = LiveView::Start(FLAGS_live_address, FLAGS_live, DescribeRun(record), &error);
+  }
+  if (!live) throw InputError("--live", error, "a free port of this machine");
+  std::cout << "live view: http://" << FLAGS_live_address << ":" << FLAGS_live << "/" << std::endl;
+  return live;
+}
 
 OdometryOptions OptionsFromFlags() {
   OdometryOptions options;
@@ -174,6 +191,7 @@ ExitStatus Run() {
   record.sequence_format = source.format;
   Odometry odometry(source.camera, odometry_options);
   ReportRecorder recorder;
+  const std::unique_ptr<LiveView> live = StartLiveView(record);
   Prefetcher frames(source);
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] {
@@ -182,6 +200,7 @@ ExitStatus Run() {
   for (int i = 0; i < source.size(); ++i) {
     record.frames.push_back(odometry.Process(frames.Next()));
     recorder.Add(record.frames.back(), odometry);
+    if (live) live->Publish(recorder.TakeUpdate());
     ShowProgress(record, record.frames.back(), source.size(), seconds());
   }
   record.wall_seconds = seconds();
@@ -210,6 +229,11 @@ ExitStatus Run() {
   }
   WriteReport(InOutput("report.html"),
               recorder.Finish(record, odometry, FLAGS_ping_pong <= 1 ? groundtruth : Trajectory()));
+  if (live) {
+    nlohmann::json end = recorder.TakeUpdate();
+    end["done"] = true;
+    live->Publish(end);
+  }
   return CountTracked(record.frames) > 0 ? kExitDone : kExitRunFailed;
 }
 

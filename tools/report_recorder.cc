@@ -43,6 +43,7 @@ void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
   entry.brightness_a = frame.state.a();
   entry.brightness_b = frame.state.b();
   entry.stage_ms = TakeStageTimes(odometry.timer());
+  if (entry.is_tracked) positions_.push_back(frame.state.pose().Inverse().translation());
   frames_.push_back(std::move(entry));
   if (frame.is_keyframe) UpdateKeyframes(odometry.window());
 }
@@ -78,9 +79,25 @@ void ReportRecorder::UpdateKeyframes(const Window& window) {
   }
 }
 
-RunReport ReportRecorder::Finish(const RunRecord& record,
-                                 const Odometry& odometry,
-                                 const Trajectory& groundtruth) const {
+nlohmann::json ReportRecorder::TakeUpdate() {
+  nlohmann::json update = {{"frames", nlohmann::json::array()},
+                           {"trajectory", nlohmann::json::array()},
+                           {"keyframes", nlohmann::json::array()},
+                           {"problems", FindProblems(frames_)}};
+  for (; frames_taken_ < frames_.size(); ++frames_taken_) {
+    update["frames"].push_back(FrameToReportJson(frames_[frames_taken_]));
+  }
+  for (; positions_taken_ < positions_.size(); ++positions_taken_) {
+    for (int i = 0; i < 3; ++i) update["trajectory"].push_back(positions_[positions_taken_](i));
+  }
+  for (auto next = keyframes_.upper_bound(last_keyframe_taken_); next != keyframes_.end(); ++next) {
+    update["keyframes"].push_back(KeyframeToReportJson(next->second));
+    last_keyframe_taken_ = next->first;
+  }
+  return update;
+}
+
+RunReport DescribeRun(const RunRecord& record) {
   RunReport report;
   const auto sequence = record.options.find("sequence");
   if (sequence != record.options.end()) {
@@ -88,10 +105,17 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
     report.title = (path.has_filename() ? path : path.parent_path()).filename().string();
   }
   report.git_hash = PRISM_GIT_REVISION;
-  report.wall_seconds = record.wall_seconds;
-  report.peak_resident_mib = PeakResidentMib();
   report.options = record.options;
   report.camera = DescribeCamera(record);
+  return report;
+}
+
+RunReport ReportRecorder::Finish(const RunRecord& record,
+                                 const Odometry& odometry,
+                                 const Trajectory& groundtruth) const {
+  RunReport report = DescribeRun(record);
+  report.wall_seconds = record.wall_seconds;
+  report.peak_resident_mib = PeakResidentMib();
   report.frames = frames_;
   report.trajectory = odometry.FrameTrajectory();
   for (const auto& [id, keyframe] : keyframes_) report.keyframes.push_back(keyframe);
@@ -101,7 +125,9 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
   }
   if (!groundtruth.empty()) {
     report.groundtruth = groundtruth;
-    report.metrics = EvaluateTrajectory(groundtruth, report.trajectory);
+    EvaluationOptions options;
+    options.segment_starts_ns = SegmentStarts(record.frames);
+    report.metrics = EvaluateTrajectory(groundtruth, report.trajectory, options);
   }
   return report;
 }
