@@ -49,7 +49,7 @@ struct BenchJob {
   std::string name() const { return sequence + "/" + variant + "/" + std::to_string(seed); }
 };
 
-// Reads a suite file (YAML; sequences/README.md says what it may hold). "{data}" in a value becomes
+// Reads a suite file (YAML; sequences/SUITES.md says what it may hold). "{data}" in a value becomes
 // data_dir; paths are relative to the working directory. Throws InputError, naming the file, for a
 // file that cannot be read, a missing or doubled name, and an unknown key, with the nearest known.
 BenchSuite ReadBenchSuite(const std::string& path, const std::string& data_dir);

@@ -18,7 +18,7 @@
 #include "tools/bench_suite.h"
 #include "tools/tool_main.h"
 
-DEFINE_string(suite, "", "Suite file (YAML, see sequences/README.md)");
+DEFINE_string(suite, "", "Suite file (YAML, see sequences/SUITES.md)");
 DEFINE_string(output_dir, "", "Folder of the runs and of the results");
 DEFINE_string(data_dir, "../shared/data", "What {data} in the suite stands for");
 DEFINE_string(program, "", "The odometry to run; default: prism_vo beside this program");
