@@ -86,27 +86,46 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   }
   lost_frames_ = 0;
   last_pose_ = result.state.pose();
+  constexpr size_t kRecentFrames = 30;
+  recent_rms_.push_back(result.rms);
+  if (recent_rms_.size() > kRecentFrames) recent_rms_.erase(recent_rms_.begin());
   result.active_points = window_.NumPoints();
   return result;
 }
 
 const Keyframe* Odometry::Track(const LightFieldFrame& frame, TrackingResult* tracking) {
   const StageTimer::Scope scope(&timer_, "track");
-  *tracking = tracker_.Track(frame.image);
-  if (tracking->status == TrackingStatus::kGood) return &window_.newest();
-  if (tracking->status == TrackingStatus::kNoTexture || lost_frames_ == 0) return nullptr;
-  for (size_t i = window_.keyframes.size() - 1; i-- > 0;) {
+  if (lost_frames_ == 0) {
+    *tracking = tracker_.Track(frame.image);
+    return tracking->status == TrackingStatus::kGood ? &window_.newest() : nullptr;
+  }
+  for (size_t i = window_.keyframes.size(); i-- > 0;) {
     const Keyframe& keyframe = *window_.keyframes[i];
     Tracker recovery = tracker_;
     recovery.SetReference(MakeReference(keyframe),
                           keyframe.state.pose() * window_.newest().state.pose().Inverse());
     *tracking = recovery.Track(frame.image);
-    if (tracking->status == TrackingStatus::kGood) {
+    if (tracking->status == TrackingStatus::kNoTexture) return nullptr;
+    if (tracking->status != TrackingStatus::kGood) continue;
+    if (IsCredible(frame, keyframe, tracking->alignment)) {
       tracker_ = std::move(recovery);
       return &keyframe;
     }
+    tracking->status = TrackingStatus::kLost;
   }
   return nullptr;
+}
+
+bool Odometry::IsCredible(const LightFieldFrame& frame,
+                          const Keyframe& keyframe,
+                          const FrameAlignmentResult& alignment) const {
+  const RecoveryOptions& recovery = options_.recovery;
+  const SE3 pose = alignment.state.target_from_reference * keyframe.state.pose();
+  return alignment.rms <= recovery.max_rms_ratio * Quantile(recent_rms_, 0.5) &&
+         alignment.outlier_fraction <= recovery.max_outlier_fraction &&
+         alignment.visible_fraction >= recovery.min_visible_fraction &&
+         std::abs(alignment.state.a) <= recovery.max_log_gain &&
+         DepthAgreement(window_, frame, pose) >= recovery.min_depth_agreement;
 }
 
 FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {

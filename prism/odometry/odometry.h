@@ -23,6 +23,16 @@
 
 namespace prism {
 
+// What a match after a loss must show beyond that of an ordinary frame: nothing but the images
+// speaks for it, and a wrong pose spoils the map.
+struct RecoveryOptions {
+  double max_rms_ratio = 1.5;         // RMS over the median of the frames tracked before
+  double max_outlier_fraction = 0.2;  // of the samples
+  double min_visible_fraction = 0.5;  // of the samples
+  double max_log_gain = 0.3;          // |a - a of the keyframe|
+  double min_depth_agreement = 0.8;   // see DepthAgreement
+};
+
 struct OdometryOptions {
   PointSelectionOptions selection;
   TrackerOptions tracker;
@@ -40,6 +50,8 @@ struct OdometryOptions {
   int min_point_distance = 4;  // px between active points in the newest keyframe
   int min_start_points = 100;  // with depth, to start a segment
   int max_lost_frames = 5;     // in a row, then a new segment is started
+
+  RecoveryOptions recovery;
 
   bool IsValid(std::string* error) const;
 };
@@ -101,6 +113,9 @@ class Odometry {
   // Tracks against the newest keyframe, after a loss against all; the keyframe that worked, or
   // null.
   const Keyframe* Track(const LightFieldFrame& frame, TrackingResult* tracking);
+  bool IsCredible(const LightFieldFrame& frame,
+                  const Keyframe& keyframe,
+                  const FrameAlignmentResult& alignment) const;
   FrameResult StartSegment(FramePtr frame);
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
   void MakeKeyframe(FramePtr frame, const SE3& reference_pose, FrameResult* result);
@@ -116,9 +131,10 @@ class Odometry {
   Tracker tracker_;
   int next_keyframe_id_ = 0;
   int segment_ = 0;
-  int lost_frames_ = 0;   // in a row
-  SE3 last_pose_;         // cam_from_world of the last tracked frame
-  double first_rms_ = 0;  // of the first frame tracked on the newest keyframe
+  int lost_frames_ = 0;             // in a row
+  SE3 last_pose_;                   // cam_from_world of the last tracked frame
+  std::vector<double> recent_rms_;  // of the last tracked frames
+  double first_rms_ = 0;            // of the first frame tracked on the newest keyframe
   std::vector<TrackedFrame> tracked_frames_;
   struct KeyframePose {
     int64_t time_ns = 0;

@@ -41,7 +41,7 @@ struct AlignmentOptions {
   bool robust = true;                 // false: no Huber norm (ablation)
   bool affine_brightness = true;      // false: brightness is held (ablation)
   double min_visible_fraction = 0.3;  // of the samples that must fall into the new frame
-  double max_log_gain = 1.0;          // |a_new - a_reference| beyond it is no exposure change
+  double max_log_gain = 0.7;          // |a_new - a_reference| beyond it is no exposure change
   double max_rms = 20;                // intensity: a worse fit is not a match
   double max_outlier_fraction = 0.5;
 

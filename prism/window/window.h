@@ -63,6 +63,13 @@ bool IsObserved(const PlenopticProjection& camera,
                 const Point& point,
                 const Keyframe& target);
 
+// Fraction of the window's points that a frame at a pose measures where they are predicted to be:
+// measured 1/v within three standard deviations (0.004 at the least) of the predicted one. 0 if
+// fewer than 30 points meet a measurement. A wrong pose that happens to look right fails this.
+double DepthAgreement(const Window& window,
+                      const LightFieldFrame& frame,
+                      const SE3& cam_from_world);
+
 // Holds the gauge: a prior that ties the first keyframe's state to where it is.
 void AnchorFirstKeyframe(Window* window);
 
