@@ -7,8 +7,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 bash tools/install_deps.sh
-cmake --workflow --preset release >build.log 2>&1 || { tail -n 40 build.log; exit 1; }
-rm build.log
+mkdir -p build
+cmake --workflow --preset release >build/demo.log 2>&1 || { tail -n 40 build/demo.log; exit 1; }
 bin=build/release/bin
 
 if [ $# -ge 1 ]; then
@@ -25,9 +25,11 @@ fi
 
 # The sequence's own calibration, unless one was given.
 grid=()
-for file in camera.yaml CameraModel.xml calibration.txt; do
+for file in camera.yaml CameraModel.xml; do
   [ -z "$camera" ] && [ -e "$sequence/$file" ] && camera=$sequence/$file
 done
+# RGB-D: the lenses to stand in for; the pinhole is in the sequence's calibration.txt.
+[ -z "$camera" ] && [ -e "$sequence/calibration.txt" ] && camera=calib/raytrix_r5_16mm.yaml
 [ -e "$sequence/MLA_Calibration.xml" ] && grid=("--micro_lens_grid=$sequence/MLA_Calibration.xml")
 [ -n "$camera" ] && camera=--camera=$camera
 
