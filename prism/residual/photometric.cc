@@ -3,6 +3,7 @@
 #include "prism/residual/photometric.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "prism/image/interpolation.h"
@@ -88,18 +89,19 @@ bool PhotometricCost::Evaluate(double const* const* parameters,
   const double rho = parameters[2][0];
   const double f = camera_->f;
   if (!(rho * f < 1)) return set_invalid();
-  const PatternRays rays(pair_->current, *camera_, patch_->px, rho);
+  PatternRays rays(pair_->current, *camera_, patch_->px, rho);
   const double focal_length_px = camera_->FocalLengthPx();
 
+  std::array<Eigen::Vector3d, kPatternSize> X;
   Vector8d gradient_x, gradient_y;  // Eq. (29), weighted
   Vector8d brightness;              // weight e^(a_j - a_i) (I_i - b_i)
   for (int k = 0; k < kPatternSize; ++k) {
-    const Eigen::Vector3d X = rays.At(k);
-    const double D = X.z() - rho * f;
+    X[k] = rays.At(k);
+    const double D = X[k].z() - rho * f;
     if (!(D > 0)) return set_invalid();
     const double alpha = focal_length_px / D;
-    const double u = alpha * X.x() + camera_->c.x();
-    const double v = alpha * X.y() + camera_->c.y();
+    const double u = alpha * X[k].x() + camera_->c.x();
+    const double v = alpha * X[k].y() + camera_->c.y();
     if (!target_image_.Contains(u, v)) return set_invalid();
     const InterpolatedValue sample = InterpolateBilinear(target_image_, u, v);
     const double weight = patch_->weight[k];
@@ -112,19 +114,21 @@ bool PhotometricCost::Evaluate(double const* const* parameters,
 
   Matrix86d J_target;
   Vector8d J_rho;
-  const PatternRays rays_at(pair_->linearization, *camera_, patch_->px, rho);
+  if (pair_->first_estimate) {
+    rays = PatternRays(pair_->linearization, *camera_, patch_->px, rho);
+    for (int k = 0; k < kPatternSize; ++k) X[k] = rays.At(k);
+  }
   for (int k = 0; k < kPatternSize; ++k) {
-    const Eigen::Vector3d X = rays_at.At(k);
-    const double D = X.z() - rho * f;
+    const double D = X[k].z() - rho * f;
     const double alpha = focal_length_px / D;
     // dr / dX: image gradient times Eq. (47), with X in place of x_C,j.
     const double gx = gradient_x[k] * alpha;
     const double gy = gradient_y[k] * alpha;
-    const double gz = -(gx * X.x() + gy * X.y()) / D;
+    const double gz = -(gx * X[k].x() + gy * X[k].y()) / D;
     // Eq. (52): translation moves X by rho delta_t, rotation by delta_w x X.
     J_target.row(k) << rho * gx, rho * gy, rho * gz,  //
-        X.y() * gz - X.z() * gy, X.z() * gx - X.x() * gz, X.x() * gy - X.y() * gx;
-    const Eigen::Vector3d dX = rays_at.DerivativeAt(k);
+        X[k].y() * gz - X[k].z() * gy, X[k].z() * gx - X[k].x() * gz, X[k].x() * gy - X[k].y() * gx;
+    const Eigen::Vector3d dX = rays.DerivativeAt(k);
     J_rho[k] = gx * dX.x() + gy * dX.y() + gz * (dX.z() - f);  // Eq. (84)
   }
   if (jacobians[0] != nullptr) {
