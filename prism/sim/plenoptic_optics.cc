@@ -66,7 +66,7 @@ bool PlenopticOptics::Trace(const Eigen::Vector2d& raw_px,
   if (a.squaredNorm() > main_lens_radius_ * main_lens_radius_) return false;
   ray->origin_xy = -a;
   ray->direction_xy = m + a / camera_.focal_length;
-  const double cos2 = 1 / (1 + m.squaredNorm());
+  const double cos2 = 1 / (1 + (lens.center / camera_.main_lens_mla_distance).squaredNorm());
   ray->cos4 = cos2 * cos2;
   return true;
 }

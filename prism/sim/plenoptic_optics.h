@@ -40,7 +40,10 @@ class PlenopticOptics {
   struct Ray {
     Eigen::Vector2d origin_xy;     // at z = 0, m
     Eigen::Vector2d direction_xy;  // at z = 1
-    double cos4;                   // natural vignetting, cos^4 of the angle of incidence
+    // Natural vignetting, cos^4 of the chief ray's angle: one value a micro lens. Ray by ray, the
+    // thin main lens, a few millimetres before the array, would shade micro images far more to one
+    // side than real lenses do, whose exit pupil is distant.
+    double cos4;
   };
 
   // Precondition: camera.IsValid and a micro-lens grid.

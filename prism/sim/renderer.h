@@ -23,9 +23,9 @@ struct RenderOptions {
 };
 
 // The raw image of a plenoptic camera: for each pixel the mean over its samples of radiance times
-// transmission (1 open, 0 blocked by the main lens, times cos^4), CV_32FC3, BGR. `world_from_cam`
-// holds the camera's poses at equally spaced moments of the exposure (one: no motion blur).
-// The image depends on (seed, frame) and not on the number of threads.
+// transmission (1 open, 0 blocked by the main lens, times the micro lens' cos^4), CV_32FC3, BGR.
+// `world_from_cam` holds the camera's poses at equally spaced moments of the exposure (one: no
+// motion blur). The image depends on (seed, frame) and not on the number of threads.
 cv::Mat RenderRaw(const RayCaster& caster,
                   const PlenopticOptics& optics,
                   const std::vector<SE3>& world_from_cam,
