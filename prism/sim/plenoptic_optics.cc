@@ -71,6 +71,18 @@ bool PlenopticOptics::Trace(const Eigen::Vector2d& raw_px,
   return true;
 }
 
+bool PlenopticOptics::IsOpen(const Eigen::Vector2d& raw_px, const MicroLens& lens) const {
+  const Eigen::Vector2d p =
+      camera_.distortion.Undistort((raw_px - camera_.raw_principal_point) * camera_.raw_pixel_size);
+  // Bounds on how far a moves (m to main lens) over the pixel, with room for distortion, and over
+  // the micro lens.
+  const double magnification = camera_.main_lens_mla_distance / camera_.sensor_mla_distance;
+  const double over_pixel = 0.8 * camera_.raw_pixel_size * magnification;
+  const double over_lens = micro_lens_radius_ * (1 + inverse_focus_[lens.type] * magnification);
+  const Eigen::Vector2d a = lens.center - (p - lens.center) * magnification;
+  return a.norm() + over_pixel + over_lens < main_lens_radius_;
+}
+
 double PlenopticOptics::SpotDiameter(int type, double v) const {
   return 2 * micro_lens_radius_ * std::abs(1 / v - inverse_focus_[type]) / camera_.raw_pixel_size;
 }

@@ -59,6 +59,9 @@ class PlenopticOptics {
              const Eigen::Vector2d& lens_sample,
              Ray* ray) const;
 
+  // Whether the main lens blocks nothing of what a pixel gets: false only says that it may.
+  bool IsOpen(const Eigen::Vector2d& raw_px, const MicroLens& lens) const;
+
   // v_k: the middle, in 1/v, of the type's depth range as far as it is above v = 2.
   double FocusVirtualDepth(int type) const { return 1 / inverse_focus_[type]; }
 

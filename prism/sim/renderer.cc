@@ -21,6 +21,8 @@ constexpr std::array<double, 5> kRecurrence = {0.8812714616335696,
                                                0.6031687406857282,
                                                0.5315553977157913};
 
+constexpr int kTransmissionSamples = 32;
+
 // Position in the pixel (2), on the micro lens (2), in the exposure (1), each in [0, 1).
 using Sample = std::array<double, 5>;
 
@@ -89,39 +91,54 @@ cv::Vec3f RawPixel(const RayCaster& caster,
   const float near = static_cast<float>(optics.camera().focal_length);
   const PlenopticOptics::MicroLens lens = optics.LensOf(Eigen::Vector2d(x, y));
   SampleSequence sequence(&random);
+  // How much gets through is counted over more samples than are cast into the scene: at the rim of
+  // a micro image four samples would make a noise far above the sensor's.
+  const int num_tried = optics.IsOpen(Eigen::Vector2d(x, y), lens)
+                            ? options.samples
+                            : std::max(options.samples, kTransmissionSamples);
+  int num_open = 0;
+  int num_cast = 0;
+  int in_packet = 0;
+  SimRay rays[kPacket];
   Rgb sum = Rgb::Zero();
-  for (int first = 0; first < options.samples; first += kPacket) {
-    SimRay rays[kPacket];
+  const auto cast = [&] {
     SimHit hits[kPacket];
-    bool open[kPacket] = {};
-    float weight[kPacket];
-    bool any = false;
-    for (int i = 0; i < std::min(kPacket, options.samples - first); ++i) {
-      const Sample sample = sequence.Next();
-      PlenopticOptics::Ray ray;
-      open[i] = optics.Trace(
-          {x + sample[0] - 0.5, y + sample[1] - 0.5}, lens, UnitDisc(sample[2], sample[3]), &ray);
-      if (!open[i]) continue;
-      any = true;
-      const Placed& pose =
-          poses[static_cast<size_t>(sample[4] * static_cast<double>(poses.size()))];
-      const Eigen::Vector3f origin(
-          static_cast<float>(ray.origin_xy.x()), static_cast<float>(ray.origin_xy.y()), 0);
-      const Eigen::Vector3f direction(
-          static_cast<float>(ray.direction_xy.x()), static_cast<float>(ray.direction_xy.y()), 1);
-      rays[i] = {pose.R * origin + pose.t, pose.R * direction};
-      weight[i] = static_cast<float>(ray.cos4);
-    }
-    if (!any) continue;
-    caster.Cast4(rays, open, near, hits);
-    for (int i = 0; i < kPacket; ++i) {
-      if (!open[i]) continue;
+    const bool wanted[kPacket] = {in_packet > 0, in_packet > 1, in_packet > 2, in_packet > 3};
+    caster.Cast4(rays, wanted, near, hits);
+    for (int i = 0; i < in_packet; ++i) {
       const float footprint =
           hits[i].found() ? SampleFootprint(optics, lens.type, hits[i].t, options.samples) : 0;
-      sum += weight[i] * caster.Radiance(hits[i], footprint, random.Uniform());
+      sum += caster.Radiance(hits[i], footprint, random.Uniform());
     }
+    num_cast += in_packet;
+    in_packet = 0;
+  };
+  double cos4 = 0;
+  for (int i = 0; i < num_tried; ++i) {
+    const Sample sample = sequence.Next();
+    PlenopticOptics::Ray ray;
+    if (!optics.Trace({x + sample[0] - 0.5, y + sample[1] - 0.5},
+                      lens,
+                      UnitDisc(sample[2], sample[3]),
+                      &ray)) {
+      continue;
+    }
+    ++num_open;
+    cos4 = ray.cos4;  // the same for a micro lens
+    if (num_cast + in_packet == options.samples) continue;
+    const auto moment = static_cast<size_t>(sample[4] * static_cast<double>(poses.size()));
+    const Placed& pose = poses[moment];
+    const Eigen::Vector3f origin(
+        static_cast<float>(ray.origin_xy.x()), static_cast<float>(ray.origin_xy.y()), 0);
+    const Eigen::Vector3f direction(
+        static_cast<float>(ray.direction_xy.x()), static_cast<float>(ray.direction_xy.y()), 1);
+    rays[in_packet++] = {pose.R * origin + pose.t, pose.R * direction};
+    if (in_packet == kPacket) cast();
   }
-  return Bgr(sum / static_cast<float>(options.samples));
+  if (in_packet > 0) cast();
+  if (num_cast == 0) return {0, 0, 0};
+  const double transmission = cos4 * num_open / num_tried;
+  return Bgr(sum * static_cast<float>(transmission / num_cast));
 }
 
 }  // namespace
