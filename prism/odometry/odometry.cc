@@ -86,9 +86,6 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   }
   lost_frames_ = 0;
   last_pose_ = result.state.pose();
-  constexpr size_t kRecentFrames = 30;
-  recent_rms_.push_back(result.rms);
-  if (recent_rms_.size() > kRecentFrames) recent_rms_.erase(recent_rms_.begin());
   result.active_points = window_.NumPoints();
   return result;
 }
@@ -121,7 +118,7 @@ bool Odometry::IsCredible(const LightFieldFrame& frame,
                           const FrameAlignmentResult& alignment) const {
   const RecoveryOptions& recovery = options_.recovery;
   const SE3 pose = alignment.state.target_from_reference * keyframe.state.pose();
-  return alignment.rms <= recovery.max_rms_ratio * Quantile(recent_rms_, 0.5) &&
+  return alignment.rms <= recovery.max_rms_ratio * tracker_.TypicalRms() &&
          alignment.outlier_fraction <= recovery.max_outlier_fraction &&
          alignment.visible_fraction >= recovery.min_visible_fraction &&
          std::abs(alignment.state.a) <= recovery.max_log_gain &&

@@ -131,10 +131,9 @@ class Odometry {
   Tracker tracker_;
   int next_keyframe_id_ = 0;
   int segment_ = 0;
-  int lost_frames_ = 0;             // in a row
-  SE3 last_pose_;                   // cam_from_world of the last tracked frame
-  std::vector<double> recent_rms_;  // of the last tracked frames
-  double first_rms_ = 0;            // of the first frame tracked on the newest keyframe
+  int lost_frames_ = 0;   // in a row
+  SE3 last_pose_;         // cam_from_world of the last tracked frame
+  double first_rms_ = 0;  // of the first frame tracked on the newest keyframe
   std::vector<TrackedFrame> tracked_frames_;
   struct KeyframePose {
     int64_t time_ns = 0;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "prism/base/stage_timer.h"
+
 namespace prism {
 namespace {
 
@@ -49,9 +51,11 @@ void Tracker::SetReference(TrackingReference reference, const SE3& new_from_old_
 
 void Tracker::Reset() {
   history_.clear();
-  last_rms_ = 0;
+  recent_rms_.clear();
   misses_ = 0;
 }
+
+double Tracker::TypicalRms() const { return Quantile(recent_rms_, 0.5); }
 
 std::vector<AlignmentState> Tracker::Predictions() const {
   std::vector<AlignmentState> predictions;
@@ -97,7 +101,9 @@ TrackingResult Tracker::Track(const ImagePyramid& target) {
     return result;
   }
   misses_ = 0;
-  last_rms_ = result.alignment.rms;
+  constexpr size_t kRecentFrames = 30;
+  recent_rms_.push_back(result.alignment.rms);
+  if (recent_rms_.size() > kRecentFrames) recent_rms_.erase(recent_rms_.begin());
   history_.push_back(result.alignment.state);
   if (history_.size() > 2) history_.erase(history_.begin());
   return result;
@@ -110,6 +116,7 @@ TrackingResult Tracker::TryPredictions(const ImagePyramid& target) const {
     result.status = TrackingStatus::kNoTexture;
     return result;
   }
+  const double typical_rms = TypicalRms();
   for (const AlignmentState& prediction : Predictions()) {
     const FrameAlignmentResult alignment =
         AlignFrame(reference_, target, prediction, options_.alignment);
@@ -119,10 +126,10 @@ TrackingResult Tracker::TryPredictions(const ImagePyramid& target) const {
     if (result.attempts == 1 || (good && (!best_is_good || alignment.rms < result.alignment.rms))) {
       result.alignment = alignment;
     }
-    if (good && (last_rms_ == 0 || alignment.rms < options_.retry_rms_ratio * last_rms_)) break;
+    if (good && (typical_rms == 0 || alignment.rms < options_.retry_rms_ratio * typical_rms)) break;
   }
   if (result.alignment.status == AlignmentStatus::kGood &&
-      (last_rms_ == 0 || result.alignment.rms < options_.max_rms_ratio * last_rms_)) {
+      (typical_rms == 0 || result.alignment.rms < options_.max_rms_ratio * typical_rms)) {
     result.status = TrackingStatus::kGood;
   }
   return result;

@@ -11,9 +11,9 @@ namespace prism {
 
 struct TrackerOptions {
   AlignmentOptions alignment;
-  // Another prediction is tried while the fit is worse than this times the last good one.
+  // Another prediction is tried while the fit is worse than this times the typical one.
   double retry_rms_ratio = 1.5;
-  // A fit worse than this times the last good one is no match, however it came about.
+  // A fit worse than this times the typical one is no match, however it came about.
   double max_rms_ratio = 2.5;
   // A frame whose root mean squared gradient is below this shows nothing; 0 to 255 a px.
   double min_rms_gradient = 0.5;
@@ -43,6 +43,9 @@ class Tracker {
 
   TrackingResult Track(const ImagePyramid& target);
 
+  // Median RMS of the last frames tracked, intensities; 0: none yet.
+  double TypicalRms() const;
+
   // Forgets motion and fit, for a new start; the reference stays.
   void Reset();
 
@@ -54,8 +57,8 @@ class Tracker {
   TrackingReference reference_;
   // The last two frames, relative to the current reference.
   std::vector<AlignmentState> history_;
-  double last_rms_ = 0;  // of the last good frame; 0: none yet
-  int misses_ = 0;       // frames not tracked since the last good one
+  std::vector<double> recent_rms_;  // of the last good frames
+  int misses_ = 0;                  // frames not tracked since the last good one
 };
 
 }  // namespace prism
