@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/tracking/tracker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -55,7 +56,9 @@ void Tracker::Reset() {
   misses_ = 0;
 }
 
-double Tracker::TypicalRms() const { return Quantile(recent_rms_, 0.5); }
+double Tracker::TypicalRms() const {
+  return std::max(Quantile(recent_rms_, 0.5), options_.min_typical_rms);
+}
 
 std::vector<AlignmentState> Tracker::Predictions() const {
   std::vector<AlignmentState> predictions;
@@ -126,10 +129,11 @@ TrackingResult Tracker::TryPredictions(const ImagePyramid& target) const {
     if (result.attempts == 1 || (good && (!best_is_good || alignment.rms < result.alignment.rms))) {
       result.alignment = alignment;
     }
-    if (good && (typical_rms == 0 || alignment.rms < options_.retry_rms_ratio * typical_rms)) break;
+    if (good && (recent_rms_.empty() || alignment.rms < options_.retry_rms_ratio * typical_rms))
+      break;
   }
   if (result.alignment.status == AlignmentStatus::kGood &&
-      (typical_rms == 0 || result.alignment.rms < options_.max_rms_ratio * typical_rms)) {
+      (recent_rms_.empty() || result.alignment.rms < options_.max_rms_ratio * typical_rms)) {
     result.status = TrackingStatus::kGood;
   }
   return result;

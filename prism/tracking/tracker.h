@@ -15,6 +15,8 @@ struct TrackerOptions {
   double retry_rms_ratio = 1.5;
   // A fit worse than this times the typical one is no match, however it came about.
   double max_rms_ratio = 2.5;
+  // Fits are never compared with a better one than this, intensities 0 to 255.
+  double min_typical_rms = 5;
   // A frame whose root mean squared gradient is below this shows nothing; 0 to 255 a px.
   double min_rms_gradient = 0.5;
   // Rotations tried about each axis when predictions fail, rad.
@@ -43,7 +45,7 @@ class Tracker {
 
   TrackingResult Track(const ImagePyramid& target);
 
-  // Median RMS of the last frames tracked, intensities; 0: none yet.
+  // Median RMS of the last frames tracked, at least `min_typical_rms`, intensities.
   double TypicalRms() const;
 
   // Forgets motion and fit, for a new start; the reference stays.
