@@ -7,6 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include <glog/logging.h>
+
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
@@ -113,19 +115,26 @@ FrameSource OpenSequence(const SequenceOptions& options) {
   return source;
 }
 
-Prefetcher::Prefetcher(const FrameSource& source) : source_(source) { Start(); }
+Prefetcher::Prefetcher(const FrameSource& source) : source_(source) { Fill(); }
 
-void Prefetcher::Start() {
-  if (next_ >= source_.size()) return;
-  pending_ = std::async(std::launch::async,
-                        [this, index = source_.order[next_]] { return source_.read(index); });
+void Prefetcher::Fill() {
+  while (pending_.size() < kAhead && next_to_start_ < source_.size()) {
+    pending_.push_back(
+        std::async(std::launch::async, [this, index = source_.order[next_to_start_]] {
+          const std::lock_guard<std::mutex> lock(read_mutex_);
+          return source_.read(index);
+        }));
+    ++next_to_start_;
+  }
 }
 
 LightFieldFrame Prefetcher::Next() {
-  LightFieldFrame frame = pending_.get();
-  frame.time_ns = source_.times_ns[next_];
-  ++next_;
-  Start();
+  CHECK(!pending_.empty());
+  LightFieldFrame frame = pending_.front().get();
+  pending_.pop_front();
+  frame.time_ns = source_.times_ns[next_to_return_];
+  ++next_to_return_;
+  Fill();
   return frame;
 }
 

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <future>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -39,7 +41,8 @@ struct FrameSource {
 // Throws InputError.
 FrameSource OpenSequence(const SequenceOptions& options);
 
-// Reads one frame ahead in a thread of its own, so that decoding overlaps with the odometry.
+// Reads frames ahead in threads of their own, one at a time, so that decoding goes on while a
+// keyframe is optimised.
 class Prefetcher {
  public:
   explicit Prefetcher(const FrameSource& source);
@@ -47,11 +50,15 @@ class Prefetcher {
   LightFieldFrame Next();
 
  private:
-  void Start();
+  static constexpr size_t kAhead = 3;  // frames
+
+  void Fill();
 
   const FrameSource& source_;
-  int next_ = 0;
-  std::future<LightFieldFrame> pending_;
+  int next_to_start_ = 0;
+  int next_to_return_ = 0;
+  std::mutex read_mutex_;  // the source reads one frame at a time
+  std::deque<std::future<LightFieldFrame>> pending_;
 };
 
 }  // namespace prism

@@ -16,7 +16,7 @@ namespace prism {
 struct WindowOptions {
   int max_keyframes = 7;
   int max_points = 2000;             // active, over all keyframes
-  int max_iterations = 4;            // of Levenberg-Marquardt, per optimisation
+  int max_iterations = 3;            // of Levenberg-Marquardt, per optimisation
   double function_tolerance = 2e-3;  // relative fall of the cost below which it stops
   int threads = 2;                   // of the evaluation and the linear algebra
   PhotometricOptions photometric;
