@@ -8,6 +8,23 @@
 #include <glog/logging.h>
 
 namespace prism {
+namespace {
+
+// The share of a disc's area (radius r > 0) that lies within another one (radius R), their centres
+// at a distance d.
+double DiscOverlap(double d, double r, double R) {
+  if (d + r <= R) return 1;
+  if (d >= r + R) return 0;
+  if (d + R <= r) return R * R / (r * r);
+  const double cos_r = std::clamp((d * d + r * r - R * R) / (2 * d * r), -1.0, 1.0);
+  const double cos_R = std::clamp((d * d + R * R - r * r) / (2 * d * R), -1.0, 1.0);
+  // Two circular segments.
+  const double segment_r = r * r * (std::acos(cos_r) - cos_r * std::sqrt(1 - cos_r * cos_r));
+  const double segment_R = R * R * (std::acos(cos_R) - cos_R * std::sqrt(1 - cos_R * cos_R));
+  return (segment_r + segment_R) / (M_PI * r * r);
+}
+
+}  // namespace
 
 bool OpticsOptions::IsValid(std::string* error) const {
   if (!(micro_lens_aperture >= 0 && micro_lens_aperture <= 1)) {
@@ -66,21 +83,29 @@ bool PlenopticOptics::Trace(const Eigen::Vector2d& raw_px,
   if (a.squaredNorm() > main_lens_radius_ * main_lens_radius_) return false;
   ray->origin_xy = -a;
   ray->direction_xy = m + a / camera_.focal_length;
-  const double cos2 = 1 / (1 + (lens.center / camera_.main_lens_mla_distance).squaredNorm());
-  ray->cos4 = cos2 * cos2;
   return true;
 }
 
-bool PlenopticOptics::IsOpen(const Eigen::Vector2d& raw_px, const MicroLens& lens) const {
-  const Eigen::Vector2d p =
-      camera_.distortion.Undistort((raw_px - camera_.raw_principal_point) * camera_.raw_pixel_size);
-  // Bounds on how far a moves (m to main lens) over the pixel, with room for distortion, and over
-  // the micro lens.
+double PlenopticOptics::Transmission(const Eigen::Vector2d& raw_px, const MicroLens& lens) const {
+  constexpr int kSide = 6;  // points along the pixel's side
   const double magnification = camera_.main_lens_mla_distance / camera_.sensor_mla_distance;
-  const double over_pixel = 0.8 * camera_.raw_pixel_size * magnification;
-  const double over_lens = micro_lens_radius_ * (1 + inverse_focus_[lens.type] * magnification);
-  const Eigen::Vector2d a = lens.center - (p - lens.center) * magnification;
-  return a.norm() + over_pixel + over_lens < main_lens_radius_;
+  const double radius = micro_lens_radius_ * (1 + inverse_focus_[lens.type] * magnification);
+  double open = 0;
+  for (int j = 0; j < kSide; ++j) {
+    for (int i = 0; i < kSide; ++i) {
+      const Eigen::Vector2d at = raw_px + Eigen::Vector2d(i + 0.5, j + 0.5) / kSide -
+                                 Eigen::Vector2d::Constant(0.5) - camera_.raw_principal_point;
+      const Eigen::Vector2d p = camera_.distortion.Undistort(at * camera_.raw_pixel_size);
+      const double a = (lens.center - (p - lens.center) * magnification).norm();
+      if (radius > 0) {
+        open += DiscOverlap(a, radius, main_lens_radius_);
+      } else if (a <= main_lens_radius_) {
+        open += 1;
+      }
+    }
+  }
+  const double cos2 = 1 / (1 + (lens.center / camera_.main_lens_mla_distance).squaredNorm());
+  return cos2 * cos2 * open / (kSide * kSide);
 }
 
 double PlenopticOptics::SpotDiameter(int type, double v) const {

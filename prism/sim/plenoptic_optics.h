@@ -40,10 +40,6 @@ class PlenopticOptics {
   struct Ray {
     Eigen::Vector2d origin_xy;     // at z = 0, m
     Eigen::Vector2d direction_xy;  // at z = 1
-    // Natural vignetting, cos^4 of the chief ray's angle: one value a micro lens. Ray by ray, the
-    // thin main lens, a few millimetres before the array, would shade micro images far more to one
-    // side than real lenses do, whose exit pupil is distant.
-    double cos4;
   };
 
   // Precondition: camera.IsValid and a micro-lens grid.
@@ -59,8 +55,15 @@ class PlenopticOptics {
              const Eigen::Vector2d& lens_sample,
              Ray* ray) const;
 
-  // Whether the main lens blocks nothing of what a pixel gets: false only says that it may.
-  bool IsOpen(const Eigen::Vector2d& raw_px, const MicroLens& lens) const;
+  // The share of the light that reaches a pixel: the part of its micro lens that the main lens'
+  // aperture leaves open, averaged over the pixel, times natural vignetting. On the main lens the
+  // micro lens' opening is seen as a disc of radius r_l (1 + b_L0 / (B v_k)) about
+  // c - (p - c) b_L0 / B, r_l its own; what is open is where that disc overlaps the aperture.
+  //
+  // Natural vignetting is cos^4 of the chief ray's angle, one value a micro lens. Ray by ray, the
+  // thin main lens, a few millimetres before the array, would shade micro images far more to one
+  // side than real lenses do, whose exit pupil is distant.
+  double Transmission(const Eigen::Vector2d& raw_px, const MicroLens& lens) const;
 
   // v_k: the middle, in 1/v, of the type's depth range as far as it is above v = 2.
   double FocusVirtualDepth(int type) const { return 1 / inverse_focus_[type]; }

@@ -173,7 +173,7 @@ double RayCaster::PreciseDepth(const SimHit& hit,
   return normal.dot(a - origin) / normal.dot(direction);
 }
 
-Rgb RayCaster::Radiance(const SimHit& hit, float footprint, float random) const {
+Rgb RayCaster::Radiance(const SimHit& hit, float footprint) const {
   if (!hit.found()) return scene_.background;
   const SimMesh& mesh = scene_.meshes[hit.mesh];
   const auto& corners = mesh.triangles[hit.triangle];
@@ -183,8 +183,8 @@ Rgb RayCaster::Radiance(const SimHit& hit, float footprint, float random) const 
   const float w = 1 - hit.u - hit.v;
   const Eigen::Vector2f uv = w * a.uv + hit.u * b.uv + hit.v * c.uv;
   const Rgb shade = w * a.shade + hit.u * b.shade + hit.v * c.shade;
-  return shade * scene_.textures[mesh.texture].Sample(
-                     uv.x(), uv.y(), footprint * uv_per_metre_[hit.mesh], random);
+  return shade *
+         scene_.textures[mesh.texture].Sample(uv.x(), uv.y(), footprint * uv_per_metre_[hit.mesh]);
 }
 
 bool RayCaster::IsInside(const Eigen::Vector3d& point) const {

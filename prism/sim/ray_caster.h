@@ -52,8 +52,8 @@ class RayCaster {
                       const Eigen::Vector3d& direction) const;
 
   // What is seen at a hit (or the background). `footprint` is the side of the surface patch the ray
-  // stands for, in metres across the ray; random in [0, 1) chooses between texture levels.
-  Rgb Radiance(const SimHit& hit, float footprint, float random) const;
+  // stands for, in metres across the ray.
+  Rgb Radiance(const SimHit& hit, float footprint) const;
 
   // Whether a point is inside an object: of 26 directions around it most hit a surface from its
   // back, not counting double-sided meshes.

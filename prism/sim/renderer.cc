@@ -13,41 +13,87 @@
 namespace prism {
 namespace {
 
-// Powers of 1/x for the root of x^6 = x + 1: the additive recurrence that covers five dimensions
-// evenly for any number of samples (M. Roberts' R sequence).
-constexpr std::array<double, 5> kRecurrence = {0.8812714616335696,
-                                               0.7766393890897682,
-                                               0.6844301295853426,
-                                               0.6031687406857282,
-                                               0.5315553977157913};
-
-constexpr int kTransmissionSamples = 32;
+// Points tried on a micro lens of which the main lens leaves but a small part open.
+constexpr int kMaxTries = 256;
 
 // Position in the pixel (2), on the micro lens (2), in the exposure (1), each in [0, 1).
 using Sample = std::array<double, 5>;
 
-// The samples of one pixel: the recurrence from a random start.
+uint32_t ReverseBits(uint32_t x) {
+  x = __builtin_bswap32(x);
+  x = ((x & 0x0f0f0f0f) << 4) | ((x >> 4) & 0x0f0f0f0f);
+  x = ((x & 0x33333333) << 2) | ((x >> 2) & 0x33333333);
+  return ((x & 0x55555555) << 1) | ((x >> 1) & 0x55555555);
+}
+
+// Flips every bit at random, depending on the bits below it alone: the mirror image of Owen's
+// scrambling, by the hash of S. Laine and T. Karras with the constants of N. Vegdahl.
+uint32_t FlipFromBelow(uint32_t x, uint32_t seed) {
+  x ^= x * 0x3d20adea;
+  x += seed;
+  x *= (seed >> 16) | 1;
+  x ^= x * 0x05526c56;
+  x ^= x * 0x53a22864;
+  return x;
+}
+
+// A (0, 2)-sequence (van der Corput and the second dimension of Sobol'), scrambled by Owen's method
+// and in random order: of any four of its points that begin at a multiple of four, one lies in each
+// quarter of the square and in each quarter of either axis; so for all powers of two.
+class SquareSequence {
+ public:
+  explicit SquareSequence(CounterRandom* random) {
+    for (uint32_t& seed : seeds_) seed = static_cast<uint32_t>(random->Next() >> 32);
+  }
+  void Point(uint32_t index, double* x, double* y) const {
+    const uint32_t n = ReverseBits(FlipFromBelow(ReverseBits(index), seeds_[0]));
+    uint32_t pascal = n;  // the matrix of binomial coefficients mod 2, times n
+    pascal ^= pascal >> 16;
+    pascal ^= (pascal & 0xff00ff00) >> 8;
+    pascal ^= (pascal & 0xf0f0f0f0) >> 4;
+    pascal ^= (pascal & 0xcccccccc) >> 2;
+    pascal ^= (pascal & 0xaaaaaaaa) >> 1;
+    *x = ReverseBits(FlipFromBelow(n, seeds_[1])) * 0x1p-32;
+    *y = ReverseBits(FlipFromBelow(pascal, seeds_[2])) * 0x1p-32;
+  }
+
+ private:
+  uint32_t seeds_[3];
+};
+
+// The samples of one pixel: few of them are enough, being evenly spread over pixel and lens.
 class SampleSequence {
  public:
-  explicit SampleSequence(CounterRandom* random) {
-    for (double& value : next_) value = random->Uniform();
-  }
+  explicit SampleSequence(CounterRandom* random)
+      : pixel_(random), lens_(random), moment_(random->Uniform()) {}
   Sample Next() {
-    const Sample sample = next_;
-    for (size_t i = 0; i < next_.size(); ++i) {
-      next_[i] += kRecurrence[i];
-      if (next_[i] >= 1) next_[i] -= 1;
-    }
+    constexpr double kGoldenRatio = 0.6180339887498949;
+    Sample sample;
+    pixel_.Point(index_, &sample[0], &sample[1]);
+    lens_.Point(index_, &sample[2], &sample[3]);
+    sample[4] = moment_;
+    ++index_;
+    moment_ += kGoldenRatio;
+    if (moment_ >= 1) moment_ -= 1;
     return sample;
   }
 
  private:
-  Sample next_;
+  SquareSequence pixel_;
+  SquareSequence lens_;
+  double moment_;
+  uint32_t index_ = 0;
 };
 
+// The unit square on the unit disc, concentric squares on circles (Shirley and Chiu, 1997), which
+// keeps evenly spread points evenly spread.
 Eigen::Vector2d UnitDisc(double u, double v) {
-  const double r = std::sqrt(u);
-  const double phi = 2 * M_PI * v;
+  const double x = 2 * u - 1;
+  const double y = 2 * v - 1;
+  if (x == 0 && y == 0) return {0, 0};
+  const bool wide = std::abs(x) > std::abs(y);
+  const double r = wide ? x : y;
+  const double phi = wide ? M_PI / 4 * (y / x) : M_PI / 2 - M_PI / 4 * (x / y);
   return {r * std::cos(phi), r * std::sin(phi)};
 }
 
@@ -80,23 +126,18 @@ float SampleFootprint(const PlenopticOptics& optics, int type, double z, int sam
                             optics.Footprint(z));
 }
 
-cv::Vec3f RawPixel(const RayCaster& caster,
-                   const PlenopticOptics& optics,
-                   const std::vector<Placed>& poses,
-                   const RenderOptions& options,
-                   int x,
-                   int y,
-                   CounterRandom random) {
+// Mean radiance of the light that reaches a pixel.
+Rgb MeanRadiance(const RayCaster& caster,
+                 const PlenopticOptics& optics,
+                 const std::vector<Placed>& poses,
+                 const RenderOptions& options,
+                 int x,
+                 int y,
+                 CounterRandom random) {
   constexpr int kPacket = 4;
   const float near = static_cast<float>(optics.camera().focal_length);
   const PlenopticOptics::MicroLens lens = optics.LensOf(Eigen::Vector2d(x, y));
   SampleSequence sequence(&random);
-  // How much gets through is counted over more samples than are cast into the scene: at the rim of
-  // a micro image four samples would make a noise far above the sensor's.
-  const int num_tried = optics.IsOpen(Eigen::Vector2d(x, y), lens)
-                            ? options.samples
-                            : std::max(options.samples, kTransmissionSamples);
-  int num_open = 0;
   int num_cast = 0;
   int in_packet = 0;
   SimRay rays[kPacket];
@@ -108,13 +149,13 @@ cv::Vec3f RawPixel(const RayCaster& caster,
     for (int i = 0; i < in_packet; ++i) {
       const float footprint =
           hits[i].found() ? SampleFootprint(optics, lens.type, hits[i].t, options.samples) : 0;
-      sum += caster.Radiance(hits[i], footprint, random.Uniform());
+      sum += caster.Radiance(hits[i], footprint);
     }
     num_cast += in_packet;
     in_packet = 0;
   };
-  double cos4 = 0;
-  for (int i = 0; i < num_tried; ++i) {
+  const int max_tries = std::max(options.samples, kMaxTries);
+  for (int i = 0; i < max_tries && num_cast + in_packet < options.samples; ++i) {
     const Sample sample = sequence.Next();
     PlenopticOptics::Ray ray;
     if (!optics.Trace({x + sample[0] - 0.5, y + sample[1] - 0.5},
@@ -123,9 +164,6 @@ cv::Vec3f RawPixel(const RayCaster& caster,
                       &ray)) {
       continue;
     }
-    ++num_open;
-    cos4 = ray.cos4;  // the same for a micro lens
-    if (num_cast + in_packet == options.samples) continue;
     const auto moment = static_cast<size_t>(sample[4] * static_cast<double>(poses.size()));
     const Placed& pose = poses[moment];
     const Eigen::Vector3f origin(
@@ -136,9 +174,7 @@ cv::Vec3f RawPixel(const RayCaster& caster,
     if (in_packet == kPacket) cast();
   }
   if (in_packet > 0) cast();
-  if (num_cast == 0) return {0, 0, 0};
-  const double transmission = cos4 * num_open / num_tried;
-  return Bgr(sum * static_cast<float>(transmission / num_cast));
+  return num_cast > 0 ? Rgb(sum / static_cast<float>(num_cast)) : Rgb(Rgb::Zero());
 }
 
 }  // namespace
@@ -149,43 +185,36 @@ bool RenderOptions::IsValid(std::string* error) const {
   return false;
 }
 
-cv::Mat RenderRaw(const RayCaster& caster,
-                  const PlenopticOptics& optics,
-                  const std::vector<SE3>& world_from_cam,
-                  const RenderOptions& options,
-                  uint64_t frame) {
-  CHECK(!world_from_cam.empty());
-  const std::vector<Placed> poses = Place(world_from_cam);
-  cv::Mat image(optics.camera().raw_height, optics.camera().raw_width, CV_32FC3);
+cv::Mat RenderWhite(const PlenopticOptics& optics) {
+  cv::Mat image(optics.camera().raw_height, optics.camera().raw_width, CV_32FC1);
   tbb::parallel_for(0, image.rows, [&](int y) {
-    auto* row = image.ptr<cv::Vec3f>(y);
     for (int x = 0; x < image.cols; ++x) {
-      const CounterRandom random(options.seed, frame, PixelIndex(x, y));
-      row[x] = RawPixel(caster, optics, poses, options, x, y, random);
+      const Eigen::Vector2d raw_px(x, y);
+      image.at<float>(y, x) =
+          static_cast<float>(optics.Transmission(raw_px, optics.LensOf(raw_px)));
     }
   });
   return image;
 }
 
-cv::Mat RenderWhite(const PlenopticOptics& optics, const RenderOptions& options) {
-  cv::Mat image(optics.camera().raw_height, optics.camera().raw_width, CV_32FC1);
+cv::Mat RenderRaw(const RayCaster& caster,
+                  const PlenopticOptics& optics,
+                  const cv::Mat& white,
+                  const std::vector<SE3>& world_from_cam,
+                  const RenderOptions& options,
+                  uint64_t frame) {
+  CHECK(!world_from_cam.empty());
+  CHECK_EQ(white.rows, optics.camera().raw_height);
+  CHECK_EQ(white.cols, optics.camera().raw_width);
+  const std::vector<Placed> poses = Place(world_from_cam);
+  cv::Mat image(white.size(), CV_32FC3, cv::Scalar::all(0));
   tbb::parallel_for(0, image.rows, [&](int y) {
+    auto* row = image.ptr<cv::Vec3f>(y);
     for (int x = 0; x < image.cols; ++x) {
-      const PlenopticOptics::MicroLens lens = optics.LensOf(Eigen::Vector2d(x, y));
-      CounterRandom random(options.seed, ~uint64_t{0}, PixelIndex(x, y));
-      SampleSequence sequence(&random);
-      double sum = 0;
-      for (int i = 0; i < options.samples; ++i) {
-        const Sample sample = sequence.Next();
-        PlenopticOptics::Ray ray;
-        if (optics.Trace({x + sample[0] - 0.5, y + sample[1] - 0.5},
-                         lens,
-                         UnitDisc(sample[2], sample[3]),
-                         &ray)) {
-          sum += ray.cos4;
-        }
-      }
-      image.at<float>(y, x) = static_cast<float>(sum / options.samples);
+      const float transmission = white.at<float>(y, x);
+      if (transmission == 0) continue;
+      const CounterRandom random(options.seed, frame, PixelIndex(x, y));
+      row[x] = Bgr(transmission * MeanRadiance(caster, optics, poses, options, x, y, random));
     }
   });
   return image;
@@ -213,7 +242,7 @@ cv::Mat RenderPreview(const RayCaster& caster,
                                         (y + sample[1] - 0.5 - cy) / focal_length,
                                         1);
         const SimHit hit = caster.Cast({pose[0].t, pose[0].R * direction.cast<float>()});
-        sum += caster.Radiance(hit, hit.t / static_cast<float>(focal_length), random.Uniform());
+        sum += caster.Radiance(hit, hit.t / static_cast<float>(focal_length));
       }
       image.at<cv::Vec3f>(y, x) = Bgr(sum / static_cast<float>(options.samples));
     }

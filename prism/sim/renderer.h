@@ -22,18 +22,21 @@ struct RenderOptions {
   bool IsValid(std::string* error) const;
 };
 
-// The raw image of a plenoptic camera: for each pixel the mean over its samples of radiance times
-// transmission (1 open, 0 blocked by the main lens, times the micro lens' cos^4), CV_32FC3, BGR.
-// `world_from_cam` holds the camera's poses at equally spaced moments of the exposure (one: no
-// motion blur). The image depends on (seed, frame) and not on the number of threads.
+// The raw image before a uniform white surface of radiance 1, CV_32FC1: the share of the light that
+// reaches each pixel, in closed form. It is the same for all frames of a camera.
+cv::Mat RenderWhite(const PlenopticOptics& optics);
+
+// The raw image of a plenoptic camera: for each pixel what gets through (`white`, RenderWhite of
+// the same optics) times the mean radiance of `samples` rays that the main lens does not block,
+// CV_32FC3, BGR. A uniform surface is therefore flat after division by the white image, however few
+// the samples. `world_from_cam` holds the camera's poses at equally spaced moments of the exposure
+// (one: no motion blur). The image depends on (seed, frame) and not on the number of threads.
 cv::Mat RenderRaw(const RayCaster& caster,
                   const PlenopticOptics& optics,
+                  const cv::Mat& white,
                   const std::vector<SE3>& world_from_cam,
                   const RenderOptions& options,
                   uint64_t frame);
-
-// The same before a uniform white surface of radiance 1, CV_32FC1.
-cv::Mat RenderWhite(const PlenopticOptics& optics, const RenderOptions& options);
 
 // What a conventional camera with an entrance pupil of no extent sees from the same place:
 // PinholeView(camera) reduced by `reduction`, radiance, CV_32FC3, BGR.

@@ -139,9 +139,7 @@ std::string RawList(const Trajectory& poses) {
 
 bool SimulateOptions::IsValid(std::string* error) const {
   if (!optics.IsValid(error) || !render.IsValid(error) || !sensor.IsValid(error)) return false;
-  if (white_samples < 1) {
-    *error = std::to_string(white_samples) + " samples of the white image, expected 1 or more";
-  } else if (!(exposure_s >= 0 && exposure_s <= 1)) {
+  if (!(exposure_s >= 0 && exposure_s <= 1)) {
     *error = "an exposure of " + std::to_string(exposure_s) + " s, expected 0 to 1 s";
   } else if (!(exposure_change >= 0 && exposure_change < 1)) {
     *error = "an exposure change of " + std::to_string(exposure_change) + ", expected 0 to below 1";
@@ -175,12 +173,10 @@ void SimulateSequence(const SimScene& scene,
   if (options.preview) CreateDirectory(output_dir + "/preview");
   WriteCamera(camera, output_dir);
   WriteTrajectory(output_dir + "/groundtruth.txt", poses);
+  const cv::Mat white = RenderWhite(optics);
   if (!fs::exists(output_dir + "/white.png")) {
-    RenderOptions white_options = options.render;
-    white_options.samples = options.white_samples;
     SensorOptions noiseless = options.sensor;
     noiseless.full_well_electrons = 0;
-    const cv::Mat white = RenderWhite(optics, white_options);
     WriteImage(output_dir + "/white.png", ReadSensor(white, kBrightLevel, noiseless, 0));
   }
 
@@ -208,7 +204,7 @@ void SimulateSequence(const SimScene& scene,
                    ReadSensor(view, frame_gain, colour, i));
       }
       const auto exposure = ExposurePoses(motion, poses[i].time_ns, options.exposure_s);
-      const cv::Mat raw = RenderRaw(caster, optics, exposure, options.render, i);
+      const cv::Mat raw = RenderRaw(caster, optics, white, exposure, options.render, i);
       WriteImage(raw_path, ReadSensor(raw, frame_gain, options.sensor, i));
     }
     progress.seconds =

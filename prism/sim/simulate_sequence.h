@@ -17,7 +17,6 @@ struct SimulateOptions {
   OpticsOptions optics;
   RenderOptions render;
   SensorOptions sensor;
-  int white_samples = 64;        // rays a pixel of the white image
   double exposure_s = 0.004;     // motion blur; 0: none
   double exposure_change = 0.0;  // relative amplitude of a slow change of brightness, 0.08: 8 %
   int truth_every = 10;          // depth truth of every Nth frame; 0: none

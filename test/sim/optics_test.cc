@@ -107,7 +107,8 @@ cv::Mat RenderLights(const PlenopticCamera& camera,
   options.micro_lens_aperture = micro_lens_aperture;
   RenderOptions render;
   render.samples = samples;
-  return RenderRaw(caster, PlenopticOptics(camera, options), {SE3()}, render, 0);
+  const PlenopticOptics optics(camera, options);
+  return RenderRaw(caster, optics, RenderWhite(optics), {SE3()}, render, 0);
 }
 
 // The spots in the inner part of their micro images, each with the pixel expected for its light.
@@ -200,9 +201,7 @@ TEST(OpticsTest, SpotsGrowOffFocusAsTheThinLensFormulaSays) {
 TEST(OpticsTest, TheWhiteImageShowsTheGridAndIsDarkBetween) {
   const PlenopticCamera camera = SmallCamera();
   const MicroLensGrid& grid = *camera.micro_lens_grid;
-  RenderOptions render;
-  render.samples = 64;
-  const cv::Mat white = RenderWhite(PlenopticOptics(camera, OpticsOptions()), render);
+  const cv::Mat white = RenderWhite(PlenopticOptics(camera, OpticsOptions()));
   // Middle of the bright part of each cell.
   std::map<std::pair<int, int>, std::vector<Eigen::Vector2d>> bright;
   for (int y = 20; y < white.rows - 20; ++y) {

@@ -74,11 +74,12 @@ TEST(RenderTest, DoesNotDependOnTheNumberOfThreadsButOnTheSeed) {
   AddPatch({0, 0, 1}, {0.3, 0.1, 0}, {0, 0.2, 0}, &scene);
   const RayCaster caster(scene);
   const PlenopticOptics optics(SmallCamera(), OpticsOptions());
+  const cv::Mat white = RenderWhite(optics);
   RenderOptions options;
   SensorOptions sensor;
   const auto render = [&](size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return ReadSensor(RenderRaw(caster, optics, {SE3()}, options, 3), 0.8, sensor, 3);
+    return ReadSensor(RenderRaw(caster, optics, white, {SE3()}, options, 3), 0.8, sensor, 3);
   };
   const cv::Mat one = render(1);
   EXPECT_EQ(cv::norm(one, render(2), cv::NORM_INF), 0);
@@ -96,7 +97,8 @@ TEST(RenderTest, MotionDuringTheExposureBlurs) {
     RenderOptions options;
     options.samples = 16;
     cv::Mat channel;
-    cv::extractChannel(RenderRaw(caster, optics, poses, options, 0), channel, 0);
+    cv::extractChannel(
+        RenderRaw(caster, optics, RenderWhite(optics), poses, options, 0), channel, 0);
     return cv::countNonZero(channel);
   };
   EXPECT_GT(lit({moved(-0.01), moved(0), moved(0.01)}), 1.3 * lit({moved(0)}));

@@ -108,7 +108,7 @@ TEST_F(SceneFileTest, AMeshShowsItsTexture) {
   SimScene scene;
   AddMeshFile(folder_ + "mesh.obj", MeshFileOptions(), &scene);
   const RayCaster caster(scene);
-  const Rgb seen = caster.Radiance(caster.Cast({{0.2f, 0.2f, 1}, {0, 0, -1}}), 0, 0);
+  const Rgb seen = caster.Radiance(caster.Cast({{0.2f, 0.2f, 1}, {0, 0, -1}}), 0);
   EXPECT_NEAR(seen[0], 1, 1e-5);
   EXPECT_NEAR(seen[2], 0, 1e-5);
 }
