@@ -124,6 +124,9 @@ CameraMotion ReadMotion(SimPath path) {
   options.rate_hz = FLAGS_rate_hz;
   options.seed = FLAGS_seed;
   RequireValid(options);
+  if (!(FLAGS_extent_m >= 0 && FLAGS_extent_m < 1e6)) {
+    throw InputError("--extent_m", std::to_string(FLAGS_extent_m), "a size in m, or 0");
+  }
   if (FLAGS_extent_m > 0) path.extent = FLAGS_extent_m;
   return GenerateMotion(options, path);
 }
@@ -148,6 +151,9 @@ void PrintProgress(const SimulateProgress& progress) {
 
 ExitStatus Run() {
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the sequence");
+  if (FLAGS_threads < 0) {
+    throw InputError("--threads", std::to_string(FLAGS_threads), "0 (one a core) or more");
+  }
   std::unique_ptr<tbb::global_control> threads;
   if (FLAGS_threads > 0) {
     threads = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,

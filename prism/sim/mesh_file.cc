@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <sstream>
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -51,7 +52,11 @@ int DiffuseTexture(const std::string& path,
   return index;
 }
 
-SimMesh Convert(const aiMesh& source, const Rgb& colour, const MeshFileOptions& options) {
+SimMesh Convert(const std::string& path,
+                const aiMesh& source,
+                const Rgb& colour,
+                const MeshFileOptions& options) {
+  constexpr float kFar = 1e6f;  // m
   SimMesh mesh;
   mesh.double_sided = options.double_sided;
   mesh.vertices.resize(source.mNumVertices);
@@ -61,12 +66,22 @@ SimMesh Convert(const aiMesh& source, const Rgb& colour, const MeshFileOptions& 
     const aiVector3D& n = source.mNormals[i];
     const Eigen::Vector3d position = options.scale * Eigen::Vector3d(p.x, p.y, p.z);
     vertex.position = (options.world_from_mesh * position).cast<float>();
+    if (!(vertex.position.array().abs() < kFar).all()) {
+      std::ostringstream found;
+      found << "a vertex at (" << p.x << ", " << p.y << ", " << p.z << ")";
+      throw InputError(path, found.str(), "vertices within 1000 km");
+    }
     vertex.normal = (options.world_from_mesh.linear() * Eigen::Vector3d(n.x, n.y, n.z))
                         .normalized()
                         .cast<float>();
+    // Vertices of degenerate triangles have no normal.
+    if (!(vertex.normal.norm() > 0.5f)) vertex.normal = Eigen::Vector3f::UnitZ();
     if (source.HasTextureCoords(0)) {
       const aiVector3D& uv = source.mTextureCoords[0][i];
       vertex.uv = {uv.x, 1 - uv.y};  // v runs down here
+      if (!vertex.uv.allFinite()) {
+        throw InputError(path, "texture coordinates that are not finite", "finite ones");
+      }
     }
     vertex.shade = colour;
     if (source.HasVertexColors(0)) {
@@ -123,7 +138,7 @@ void AddMeshFile(const std::string& path, const MeshFileOptions& options, SimSce
       if (white < 0) white = AddTexture(Texture(cv::Mat(1, 1, CV_8UC1, cv::Scalar(255))), scene);
       texture = white;
     }
-    SimMesh mesh = Convert(source, Rgb(diffuse.r, diffuse.g, diffuse.b), options);
+    SimMesh mesh = Convert(path, source, Rgb(diffuse.r, diffuse.g, diffuse.b), options);
     mesh.texture = texture;
     num_triangles += mesh.triangles.size();
     if (!mesh.triangles.empty()) scene->meshes.push_back(std::move(mesh));

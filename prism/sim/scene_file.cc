@@ -284,6 +284,13 @@ SimScene ReadRoot(const std::string& path, const YAML::Node& node) {
   for (const auto& object : root.Get("objects", "a list of objects")) ReadObject(object, &context);
   root.RejectUnknownKeys();
   if (scene.meshes.empty()) throw InputError(path, "no objects", "at least one");
+  for (const SimMesh& mesh : scene.meshes) {
+    for (const SimMesh::Vertex& vertex : mesh.vertices) {
+      if (!(vertex.position.array().abs() < 1e6f).all()) {
+        throw InputError(path, "an object out of sight", "objects within 1000 km");
+      }
+    }
+  }
   return scene;
 }
 

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr int kExposureMoments = 32;   // poses over the exposure
 constexpr double kBrightLevel = 0.92;  // of full scale, of the brightest percent
+constexpr double kFar = 1e6;           // m
 
 std::string FrameName(const std::string& folder, size_t frame, const char* extension) {
   char name[32];
@@ -56,6 +57,10 @@ void RequireFreeSpace(const RayCaster& caster,
   for (size_t i = 0; i < poses.size(); ++i) {
     const Eigen::Vector3d p = poses[i].world_from_cam.translation();
     std::ostringstream found;
+    if (p.cwiseAbs().maxCoeff() > kFar) {
+      throw InputError(
+          motion_name, "frame " + std::to_string(i) + " out of sight", "poses within 1000 km");
+    }
     if (caster.IsInside(p)) {
       found << "frame " << i << " at (" << p.transpose() << ") m inside an object";
     } else if (caster.Clearance(p) < clearance) {

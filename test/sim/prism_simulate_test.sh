@@ -39,24 +39,39 @@ textures: {}
 objects: [{kind: mesh, file: broken.obj, position: [0, 0, 0]}]
 YAML
 echo "no mesh at all" >"$work/broken.obj"
+sed 's/broken.obj/far.obj/' "$work/mesh.yaml" >"$work/far_mesh.yaml"
+printf 'v 0 0 0\nv 1 0 0\nv 1e39 1 0\nf 1 2 3\n' >"$work/far.obj"
+sed 's/objects:.*/objects: [{kind: box, position: [0, 0, -1], size: [2, 2, 2], texture: white}]/
+  s/textures:.*/textures: {white: {kind: white, pixels: 16}}/' "$work/mesh.yaml" >"$work/inside.yaml"
+sed 's/position: \[0, 0, -1\]/position: [1.0e+38, 0, 0]/' "$work/inside.yaml" >"$work/far.yaml"
 echo "0 0 0 nan 0 0 0 1" >"$work/nan.txt"
-echo "0 5 0 0 0 0.7071068 0 0.7071068" >"$work/behind.txt"
+echo "0 1e30 0 0 0 0.7071068 0 0.7071068" >"$work/far.txt"
 echo "0 -0.005 0 0 0 0.7071068 0 0.7071068" >"$work/touching.txt"
 
 expect_error "missing texture" "lost.png" \
   "$program" --scene="$work/lost.yaml" --camera="$camera" --output_dir="$work/a"
 expect_error "mesh that does not load" "broken.obj" \
   "$program" --scene="$work/mesh.yaml" --camera="$camera" --output_dir="$work/a"
+expect_error "mesh with a vertex out of range" "far.obj" \
+  "$program" --scene="$work/far_mesh.yaml" --camera="$camera" --output_dir="$work/a"
+expect_error "object out of sight" "far.yaml" \
+  "$program" --scene="$work/far.yaml" --camera="$camera" --output_dir="$work/a"
+expect_error "camera inside an object" "inside an object" \
+  "$program" --scene="$work/inside.yaml" --camera="$camera" --output_dir="$work/a"
 expect_error "unknown scene" "attic" \
   "$program" --scene=attic --camera="$camera" --output_dir="$work/a"
 expect_error "trajectory with NaN" "nan.txt" \
   "${plane[@]}" --trajectory="$work/nan.txt" --output_dir="$work/a"
-expect_error "camera in geometry" "touching.txt" \
+expect_error "trajectory out of sight" "far.txt" \
+  "${plane[@]}" --trajectory="$work/far.txt" --output_dir="$work/a"
+expect_error "camera that touches a surface" "touching.txt" \
   "${plane[@]}" --trajectory="$work/touching.txt" --output_dir="$work/a"
 expect_error "unknown trajectory" "--trajectory" \
   "${plane[@]}" --trajectory=waltz --output_dir="$work/a"
 expect_error "no camera" "--camera" "$program" --output_dir="$work/a"
 expect_error "bits" "4 bits" "${plane[@]}" --bits=4 --output_dir="$work/a"
+expect_error "extent" "--extent_m" "${plane[@]}" --extent_m=nan --output_dir="$work/a"
+expect_error "threads" "--threads" "${plane[@]}" --threads=-1 --output_dir="$work/a"
 if [ -e "$work/a" ]; then echo "FAIL: bad input left a folder"; failures=$((failures + 1)); fi
 
 # A full disk, played by a limit on the size of files (its signal ignored, so that writing fails).
@@ -64,10 +79,25 @@ full_disk() { (trap '' XFSZ; ulimit -f 16; "${plane[@]}" --output_dir="$work/ful
 expect_error "full disk" "space left" full_disk
 if [ -e "$work/full/raw.txt" ]; then echo "FAIL full disk: raw.txt says it is complete"; failures=1; fi
 
+for image in $(find "$work/full" -name '*.png'); do
+  if [ "$(tail -c 8 "$image" | head -c 4)" != IEND ]; then
+    echo "FAIL full disk: $image is cut off"; failures=$((failures + 1))
+  fi
+done
+
 # The run goes on once there is space.
 if ! "${plane[@]}" --output_dir="$work/full" >"$work/out" 2>&1 || [ ! -e "$work/full/raw.txt" ]; then
   echo "FAIL resume:"; cat "$work/out"; failures=$((failures + 1))
 fi
+
+# The same pixels on one thread and on two, and in a run that was not interrupted.
+"${plane[@]}" --threads=1 --output_dir="$work/one" >"$work/out" 2>&1
+"${plane[@]}" --threads=2 --output_dir="$work/two" >"$work/out" 2>&1
+for other in "$work/two" "$work/full"; do
+  if ! diff -r "$work/one" "$other"; then
+    echo "FAIL: $other differs from a run on one thread"; failures=$((failures + 1))
+  fi
+done
 
 echo "$failures failure(s)"
 exit $((failures > 0))
