@@ -90,13 +90,19 @@ double PlenopticOptics::Transmission(const Eigen::Vector2d& raw_px, const MicroL
   constexpr int kSide = 6;  // points along the pixel's side
   const double magnification = camera_.main_lens_mla_distance / camera_.sensor_mla_distance;
   const double radius = micro_lens_radius_ * (1 + inverse_focus_[lens.type] * magnification);
+  const double cos2 = 1 / (1 + (lens.center / camera_.main_lens_mla_distance).squaredNorm());
+  const auto distance = [&](const Eigen::Vector2d& at_px) {
+    const Eigen::Vector2d at = (at_px - camera_.raw_principal_point) * camera_.raw_pixel_size;
+    return (lens.center - (camera_.distortion.Undistort(at) - lens.center) * magnification).norm();
+  };
+  // How far the disc moves over half the pixel, with room for distortion.
+  const double over_pixel = 0.8 * camera_.raw_pixel_size * magnification;
+  if (distance(raw_px) + over_pixel + radius <= main_lens_radius_) return cos2 * cos2;
   double open = 0;
   for (int j = 0; j < kSide; ++j) {
     for (int i = 0; i < kSide; ++i) {
-      const Eigen::Vector2d at = raw_px + Eigen::Vector2d(i + 0.5, j + 0.5) / kSide -
-                                 Eigen::Vector2d::Constant(0.5) - camera_.raw_principal_point;
-      const Eigen::Vector2d p = camera_.distortion.Undistort(at * camera_.raw_pixel_size);
-      const double a = (lens.center - (p - lens.center) * magnification).norm();
+      const double a = distance(raw_px + Eigen::Vector2d(i + 0.5, j + 0.5) / kSide -
+                                Eigen::Vector2d::Constant(0.5));
       if (radius > 0) {
         open += DiscOverlap(a, radius, main_lens_radius_);
       } else if (a <= main_lens_radius_) {
@@ -104,7 +110,6 @@ double PlenopticOptics::Transmission(const Eigen::Vector2d& raw_px, const MicroL
       }
     }
   }
-  const double cos2 = 1 / (1 + (lens.center / camera_.main_lens_mla_distance).squaredNorm());
   return cos2 * cos2 * open / (kSide * kSide);
 }
 

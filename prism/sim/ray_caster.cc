@@ -53,6 +53,7 @@ RayCaster::RayCaster(const SimScene& scene) : scene_(scene), embree_(new Embree)
   CHECK(embree_->device != nullptr) << "Embree: error " << rtcGetDeviceError(nullptr);
   embree_->scene = rtcNewScene(embree_->device);
   rtcSetSceneFlags(embree_->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(embree_->scene, RTC_BUILD_QUALITY_HIGH);
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
     const SimMesh& mesh = scene.meshes[i];
     RTCGeometry geometry = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
