@@ -227,12 +227,13 @@ ExitStatus Run() {
     WriteTextAtomically(InOutput("metrics.json"), MetricsToJson(metrics).dump(1) + "\n");
     PrintMetrics(metrics);
   }
-  WriteReport(InOutput("report.html"),
-              recorder.Finish(record, odometry, FLAGS_ping_pong <= 1 ? groundtruth : Trajectory()));
+  const auto report = std::make_shared<const RunReport>(
+      recorder.Finish(record, odometry, FLAGS_ping_pong <= 1 ? groundtruth : Trajectory()));
+  WriteReport(InOutput("report.html"), *report);
   if (live) {
-    nlohmann::json end = recorder.TakeUpdate();
-    end["done"] = true;
-    live->Publish(end);
+    RunUpdate end = recorder.TakeUpdate();
+    end.finished = report;
+    live->Publish(std::move(end));
   }
   return CountTracked(record.frames) > 0 ? kExitDone : kExitRunFailed;
 }

@@ -3,6 +3,7 @@
 #include "tools/report_recorder.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 
@@ -59,41 +60,65 @@ std::map<std::string, double> ReportRecorder::TakeStageTimes(const StageTimer& t
 
 void ReportRecorder::UpdateKeyframes(const Window& window) {
   for (const auto& keyframe : window.keyframes) {
-    ReportKeyframe& entry = keyframes_[keyframe->id];
-    const ImageF& image = keyframe->frame->image[0];
-    if (entry.jpeg.empty()) {
-      entry.time_ns = keyframe->frame->time_ns;
-      SetThumbnail(image, kThumbnailWidth_px, &entry);
+    const auto [position, is_new] = keyframes_.try_emplace(keyframe->id);
+    Entry& entry = position->second;
+    if (is_new) {
+      entry.keyframe.time_ns = keyframe->frame->time_ns;
+      entry.thumbnail = std::async(std::launch::async, [frame = keyframe->frame] {
+        ReportKeyframe thumbnail;
+        SetThumbnail(frame->image[0], kThumbnailWidth_px, &thumbnail);
+        return thumbnail;
+      });
     }
-    const double factor = static_cast<double>(entry.width) / image.width();
-    entry.world_from_cam = keyframe->state.pose().Inverse();
-    entry.points.clear();
+    const double factor = ThumbnailFactor(keyframe->frame->image[0].width(), kThumbnailWidth_px);
+    entry.keyframe.world_from_cam = keyframe->state.pose().Inverse();
+    entry.keyframe.points.clear();
     for (const auto& point : keyframe->points) {
       if (point->rho <= 0) continue;
       const Eigen::Vector2d px =
           (point->patch.px + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
-      entry.points.push_back({static_cast<float>(px.x()),
-                              static_cast<float>(px.y()),
-                              static_cast<float>(1 / point->rho)});
+      entry.keyframe.points.push_back({static_cast<float>(px.x()),
+                                       static_cast<float>(px.y()),
+                                       static_cast<float>(1 / point->rho)});
     }
+    entry.has_changed = true;
   }
 }
 
-nlohmann::json ReportRecorder::TakeUpdate() {
-  nlohmann::json update = {{"frames", nlohmann::json::array()},
-                           {"trajectory", nlohmann::json::array()},
-                           {"keyframes", nlohmann::json::array()},
-                           {"problems", FindProblems(frames_)}};
-  for (; frames_taken_ < frames_.size(); ++frames_taken_) {
-    update["frames"].push_back(FrameToReportJson(frames_[frames_taken_]));
+bool ReportRecorder::TakeThumbnail(bool wait, Entry* entry) {
+  if (!entry->thumbnail.valid()) return true;
+  if (!wait && entry->thumbnail.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    return false;
   }
-  for (; positions_taken_ < positions_.size(); ++positions_taken_) {
-    for (int i = 0; i < 3; ++i) update["trajectory"].push_back(positions_[positions_taken_](i));
+  ReportKeyframe thumbnail = entry->thumbnail.get();
+  entry->keyframe.jpeg = std::move(thumbnail.jpeg);
+  entry->keyframe.width = thumbnail.width;
+  entry->keyframe.height = thumbnail.height;
+  return true;
+}
+
+RunUpdate ReportRecorder::TakeUpdate() {
+  RunUpdate update;
+  update.frames.assign(frames_.begin() + static_cast<std::ptrdiff_t>(frames_taken_), frames_.end());
+  update.positions.assign(positions_.begin() + static_cast<std::ptrdiff_t>(positions_taken_),
+                          positions_.end());
+  frames_taken_ = frames_.size();
+  positions_taken_ = positions_.size();
+  int index = 0;
+  for (auto& [id, entry] : keyframes_) {
+    if (entry.has_changed && !TakeThumbnail(false, &entry)) break;
+    if (entry.has_changed) {
+      update.keyframes.push_back({index, entry.keyframe});
+      if (entry.is_told) update.keyframes.back().keyframe.jpeg.clear();
+      entry.is_told = true;
+      entry.has_changed = false;
+    }
+    ++index;
   }
-  for (auto next = keyframes_.upper_bound(last_keyframe_taken_); next != keyframes_.end(); ++next) {
-    update["keyframes"].push_back(KeyframeToReportJson(next->second));
-    last_keyframe_taken_ = next->first;
-  }
+  const std::vector<std::string> problems = FindProblems(frames_);
+  const bool is_last_tracked = frames_.empty() || frames_.back().is_tracked;
+  if (problems.size() != problems_taken_ || !is_last_tracked) update.problems = problems;
+  problems_taken_ = problems.size();
   return update;
 }
 
@@ -112,13 +137,16 @@ RunReport DescribeRun(const RunRecord& record) {
 
 RunReport ReportRecorder::Finish(const RunRecord& record,
                                  const Odometry& odometry,
-                                 const Trajectory& groundtruth) const {
+                                 const Trajectory& groundtruth) {
   RunReport report = DescribeRun(record);
   report.wall_seconds = record.wall_seconds;
   report.peak_resident_mib = PeakResidentMib();
   report.frames = frames_;
   report.trajectory = odometry.FrameTrajectory();
-  for (const auto& [id, keyframe] : keyframes_) report.keyframes.push_back(keyframe);
+  for (auto& [id, entry] : keyframes_) {
+    TakeThumbnail(true, &entry);
+    report.keyframes.push_back(entry.keyframe);
+  }
   for (const MapPoint& point : odometry.MapPoints()) {
     report.cloud.push_back({point.p_in_world.cast<float>(),
                             static_cast<uint8_t>(std::clamp(point.intensity, 0.0f, 255.0f))});

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <future>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "prism/odometry/odometry.h"
+#include "prism/report/live_view.h"
 #include "prism/report/run_report.h"
 #include "tools/run_record.h"
 
@@ -15,32 +17,42 @@ namespace prism {
 // Title and options of a run that has not begun.
 RunReport DescribeRun(const RunRecord& record);
 
-// Collects what report.html shows while a run goes on. Keyframes are kept as small images and
-// points, so that the window may forget them.
+// Collects what report.html shows while a run goes on. Keyframes are kept as small images, which
+// are encoded in threads of their own, and points, so that the window may forget them.
 class ReportRecorder {
  public:
   // To be called after every Odometry::Process.
   void Add(const FrameResult& frame, const Odometry& odometry);
 
   // What has come since the last call, for LiveView; poses are those of the moment.
-  nlohmann::json TakeUpdate();
+  RunUpdate TakeUpdate();
 
   // The report of a finished run. `groundtruth` may be empty.
   RunReport Finish(const RunRecord& record,
                    const Odometry& odometry,
-                   const Trajectory& groundtruth) const;
+                   const Trajectory& groundtruth);
 
  private:
+  // Points and pose as they were when the window last held the keyframe.
+  struct Entry {
+    ReportKeyframe keyframe;                // without image until `thumbnail` is taken
+    std::future<ReportKeyframe> thumbnail;  // image and size only
+    bool is_told = false;                   // by TakeUpdate
+    bool has_changed = false;               // since it was told
+  };
+
   std::map<std::string, double> TakeStageTimes(const StageTimer& timer);
   void UpdateKeyframes(const Window& window);
+  // Moves the image into the keyframe once it is encoded; waits for that if asked to. False: not
+  // there yet.
+  static bool TakeThumbnail(bool wait, Entry* entry);
 
   std::vector<ReportFrame> frames_;
-  // By keyframe id; points and poses as they were when the window last held the keyframe.
-  std::map<int, ReportKeyframe> keyframes_;
+  std::map<int, Entry> keyframes_;          // by id
   std::vector<Eigen::Vector3d> positions_;  // of the tracked frames, as tracked
   size_t frames_taken_ = 0;                 // by TakeUpdate
   size_t positions_taken_ = 0;
-  int last_keyframe_taken_ = -1;
+  size_t problems_taken_ = 0;
   std::map<std::string, size_t> times_taken_;  // of each stage of the timer
 };
 

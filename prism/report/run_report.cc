@@ -77,7 +77,14 @@ void ReplaceOnce(const std::string& marker, const std::string& text, std::string
 
 }  // namespace
 
-double SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyframe) {
+double ThumbnailFactor(int image_width, int max_width) {
+  CHECK_GT(max_width, 0);
+  double factor = 1;
+  while (image_width * factor > max_width) factor *= 0.5;
+  return factor;
+}
+
+void SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyframe) {
   CHECK_GT(image.width, 0);
   cv::Mat gray;
   const cv::Mat source(image.height,
@@ -86,17 +93,17 @@ double SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyfr
                        const_cast<float*>(image.data),
                        static_cast<size_t>(image.stride) * sizeof(float));
   source.convertTo(gray, CV_8U);
-  double factor = 1;
-  while (gray.cols > max_width) {
-    cv::resize(gray, gray, {}, 0.5, 0.5, cv::INTER_AREA);
-    factor *= 0.5;
+  const double factor = ThumbnailFactor(image.width, max_width);
+  if (factor < 1) {
+    const cv::Size size(std::max(1, static_cast<int>(image.width * factor)),
+                        std::max(1, static_cast<int>(image.height * factor)));
+    cv::resize(gray, gray, size, 0, 0, cv::INTER_AREA);
   }
   std::vector<unsigned char> bytes;
   CHECK(cv::imencode(".jpg", gray, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}));
   keyframe->jpeg.assign(bytes.begin(), bytes.end());
   keyframe->width = gray.cols;
   keyframe->height = gray.rows;
-  return factor;
 }
 
 std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames) {
@@ -145,15 +152,16 @@ Json KeyframeToReportJson(const ReportKeyframe& keyframe) {
   for (const ReportKeyframe::Point& point : keyframe.points) {
     for (const float value : {point.x, point.y, point.depth_m}) points.push_back(value);
   }
-  return {
-      {"t", Seconds(keyframe.time_ns)},
-      {"position", {t.x(), t.y(), t.z()}},
-      {"rotation", {q.x(), q.y(), q.z(), q.w()}},
-      {"jpeg",
-       Base64(reinterpret_cast<const unsigned char*>(keyframe.jpeg.data()), keyframe.jpeg.size())},
-      {"width", keyframe.width},
-      {"height", keyframe.height},
-      {"points", PackedBase64(points)}};
+  Json json = {{"t", Seconds(keyframe.time_ns)},
+               {"position", {t.x(), t.y(), t.z()}},
+               {"rotation", {q.x(), q.y(), q.z(), q.w()}}};
+  if (!points.empty()) json["points"] = PackedBase64(points);
+  if (keyframe.jpeg.empty()) return json;
+  json["jpeg"] =
+      Base64(reinterpret_cast<const unsigned char*>(keyframe.jpeg.data()), keyframe.jpeg.size());
+  json["width"] = keyframe.width;
+  json["height"] = keyframe.height;
+  return json;
 }
 
 Json ReportToJson(const RunReport& report) {

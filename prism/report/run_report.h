@@ -67,9 +67,13 @@ struct RunReport {
   std::optional<TrajectoryMetrics> metrics;  // of trajectory against groundtruth
 };
 
-// A keyframe's image, gray 0 to 255, halved until it is at most max_width wide, as JPEG; sets jpeg,
-// width and height and returns the factor from the image's pixels to those of the thumbnail.
-double SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyframe);
+// Pixels of the thumbnail over those of the image: the largest power of 1/2 that makes an image of
+// this width at most max_width wide.
+double ThumbnailFactor(int image_width, int max_width);
+
+// A keyframe's image, gray 0 to 255, made smaller by ThumbnailFactor, as JPEG; sets jpeg, width and
+// height.
+void SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyframe);
 
 // What went wrong, worst first: "frames 12 to 15 lost (no texture)", "3 segments".
 std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames);
@@ -77,6 +81,7 @@ std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames);
 // The data of the page. At most 60,000 points of the cloud are taken, evenly.
 nlohmann::json ReportToJson(const RunReport& report);
 nlohmann::json FrameToReportJson(const ReportFrame& frame);
+// Without image and size if the keyframe has no image.
 nlohmann::json KeyframeToReportJson(const ReportKeyframe& keyframe);
 
 // The whole page as one HTML text with all scripts and styles inside; it needs no network. `live`:

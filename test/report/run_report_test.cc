@@ -44,7 +44,9 @@ TEST(RunReport, ProblemsNameLostFramesAndSegments) {
 TEST(RunReport, ThumbnailIsHalvedUntilItFits) {
   const ImageF image(1300, 600, 100.0f);
   ReportKeyframe keyframe;
-  EXPECT_EQ(SetThumbnail(image, 512, &keyframe), 0.25);
+  EXPECT_EQ(ThumbnailFactor(1300, 512), 0.25);
+  EXPECT_EQ(ThumbnailFactor(512, 512), 1);
+  SetThumbnail(image, 512, &keyframe);
   EXPECT_EQ(keyframe.width, 325);
   EXPECT_EQ(keyframe.height, 150);
   EXPECT_EQ(keyframe.jpeg.substr(0, 2), "\xff\xd8");

@@ -15,7 +15,7 @@ function decodeFloats(text) { return new Float32Array(decodeBase64(text).buffer)
 
 // Draws the keyframe and says in `legend` what the colours mean.
 function showKeyframe(keyframe, index, count, canvas, legend) {
-  const points = decodeFloats(keyframe.points);
+  const points = decodeFloats(keyframe.points || '');
   const inverse = [];
   for (let i = 2; i < points.length; i += 3) inverse.push(1 / points[i]);
   inverse.sort((a, b) => a - b);
@@ -37,11 +37,17 @@ function showKeyframe(keyframe, index, count, canvas, legend) {
     }
     canvas.dataset.keyframe = index;
   };
-  image.src = 'data:image/jpeg;base64,' + keyframe.jpeg;
+  if (keyframe.jpeg) {
+    image.src = 'data:image/jpeg;base64,' + keyframe.jpeg;
+  } else {
+    canvas.getContext('2d').clearRect(0, 0, canvas.width, canvas.height);
+    canvas.dataset.keyframe = index;
+  }
 
   const colors = [0, 0.25, 0.5, 0.75, 1].map(depthColor).join(', ');
   legend.innerHTML = `<span>${index + 1} of ${count}, ${keyframe.t.toFixed(2)} s, ` +
-      `${inverse.length} points</span>`;
+      (keyframe.jpeg ? `${inverse.length} points</span>` :
+                       'its image came before this page; report.html will have it</span>');
   if (inverse.length) {
     legend.innerHTML += `<span class="scale">${(1 / near).toFixed(2)} m` +
         `<span class="bar" style="background: linear-gradient(to right, ${colors})"></span>` +

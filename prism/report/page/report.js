@@ -43,7 +43,7 @@
     get('title').textContent = document.title = data.title;
     get('summary').textContent = `${tracked} of ${data.frames.length} frames tracked, ` +
         `${data.frames.filter(frame => frame.keyframe).length} keyframes` +
-        (data.live ? ', running' : '') + (data.git_hash ? `, revision ${data.git_hash}` : '');
+        (data.live ? data.disconnected ? ', no connection to the run' : ', running' : '') + (data.git_hash ? `, revision ${data.git_hash}` : '');
     const problems = get('problems');
     problems.replaceChildren();
     const list = document.createElement(data.problems.length ? 'ul' : 'p');
@@ -157,19 +157,40 @@
   select(0);
 
   // Live: each event holds what is new; the page is redrawn twice a second at most.
+  function take(update) {
+    data.frames.push(...update.frames);
+    data.trajectory.push(...update.trajectory);
+    for (const keyframe of update.keyframes) {
+      data.keyframes[keyframe.index] = Object.assign(data.keyframes[keyframe.index] || {}, keyframe);
+    }
+    if (update.problems) data.problems = update.problems;
+    if (update.finished) {
+      Object.assign(data, update.finished);
+      data.live = false;
+    }
+  }
+
   if (data.live) {
     let waiting = false;
     const events = new EventSource('events');
+    events.onerror = () => {
+      data.disconnected = true;
+      fillHead();
+    };
+    events.onopen = () => {
+      data.disconnected = false;
+      fillHead();
+    };
     events.onmessage = event => {
       const update = JSON.parse(event.data);
-      data.frames.push(...update.frames);
-      data.trajectory.push(...update.trajectory);
-      data.keyframes.push(...update.keyframes);
-      if (update.problems) data.problems = update.problems;
-      if (update.done) {
-        events.close();
-        data.live = false;
+      if (update.reload) {  // another run by now
+        location.reload();
+        return;
       }
+      const isAtLast = selected >= data.keyframes.length - 1;
+      take(update);
+      if (update.finished) events.close();
+      if (isAtLast) selected = Math.max(data.keyframes.length - 1, 0);
       if (waiting) return;
       waiting = true;
       setTimeout(() => {
@@ -178,7 +199,7 @@
         document.body.dataset.started = 'yes';
         fillAll();
         if (isFirst) view.reset();
-        select(data.keyframes.length - 1);
+        select(selected);
       }, 500);
     };
   }
