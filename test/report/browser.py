@@ -16,11 +16,15 @@ def missing_programs():
     return [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
 
 
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 class Browser:
     def __init__(self, width=1280, height=900, dark=False):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         self.driver = subprocess.Popen(
             ["chromedriver", f"--port={port}"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -7,6 +7,7 @@ Exit status 77 (skipped) where Chromium or its driver is not installed.
 
 import os
 import pathlib
+import socket
 import subprocess
 import sys
 import tempfile
@@ -77,6 +78,41 @@ def check_keyframes(page):
     check(page.wait_for(f"{shown} === '{last - 1}'"), "the key P does not go to a keyframe")
 
 
+def connect(port):
+    for _ in range(300):
+        try:
+            socket.create_connection(("127.0.0.1", port), timeout=1).close()
+            return
+        except OSError:
+            time.sleep(0.02)
+    raise AssertionError("the live view does not answer")
+
+
+def check_live(program):
+    """The page while a run goes on and after its end, when the server is gone."""
+    with browser.Browser() as page:
+        port = browser.free_port()
+        with subprocess.Popen([program, "--live", str(port)]) as run:
+            connect(port)
+            page.open(f"http://127.0.0.1:{port}/")
+            data = "window.prismReport.data"
+            check(page.wait_for(f"{data}.frames.length > 0"), "no frame comes")
+            check(page.wait_for(f"{data}.live === false", 20), "the end does not come")
+            check(run.wait(20) == 0, "the live view has failed")
+        frames = page.run(f"return {data}.frames.length;")
+        check(frames == 228, f"{frames} frames, not all 228")
+        check(page.wait_for("document.getElementById('title').textContent && "
+                            "document.querySelectorAll('.plot canvas').length >= 7"), "no plots")
+        # The page is redrawn within half a second.
+        check(page.wait_for("document.getElementById('problems').textContent.includes('100 to 103')"),
+              "no problems")
+        check(page.wait_for("!document.getElementById('summary').textContent.includes('running')"),
+              "still running")
+        check_keyframes(page)
+        check(not page.errors(), f"console errors: {page.errors()}")
+        print(f"live: {frames} frames")
+
+
 def main():
     missing = browser.missing_programs()
     if missing:
@@ -98,6 +134,7 @@ def main():
                     page.screenshot(shots / f"{name}.png", whole_page=True)
                 check(not page.errors(), f"console errors: {page.errors()}")
                 print(f"{name}: {mib:.1f} MiB, ready in {seconds:.2f} s")
+    check_live(sys.argv[1])
     return 0
 
 

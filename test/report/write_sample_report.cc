@@ -2,10 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // write_sample_report PATH: a report as a run of 228 frames would leave it, made up, for the test
-// in a browser.
+// in a browser. write_sample_report --live PORT: the same run as it goes on, in a second.
+#include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
 #include <random>
+#include <string>
+#include <thread>
+#include <utility>
 
+#include "prism/report/live_view.h"
 #include "prism/report/run_report.h"
 
 namespace prism {
@@ -79,10 +87,43 @@ RunReport SampleReport() {
   return report;
 }
 
+int ShowLive(int port) {
+  const auto report = std::make_shared<const RunReport>(SampleReport());
+  RunReport begin;
+  begin.title = report->title;
+  std::string error;
+  const auto live = LiveView::Start("127.0.0.1", port, begin, &error);
+  if (!live) {
+    std::cerr << error << std::endl;
+    return 2;
+  }
+  size_t keyframes = 0;
+  size_t positions = 0;
+  for (const ReportFrame& frame : report->frames) {
+    RunUpdate update;
+    update.frames.push_back(frame);
+    if (frame.is_tracked) {
+      update.positions.push_back(report->trajectory[positions++].world_from_cam.translation());
+    }
+    if (frame.is_keyframe) {
+      update.keyframes.push_back({static_cast<int>(keyframes), report->keyframes[keyframes]});
+      ++keyframes;
+    }
+    live->Publish(std::move(update));
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+  }
+  RunUpdate end;
+  end.problems = FindProblems(report->frames);
+  end.finished = report;
+  live->Publish(std::move(end));
+  return 0;
+}
+
 }  // namespace
 }  // namespace prism
 
 int main(int argc, char** argv) {
+  if (argc == 3 && std::string(argv[1]) == "--live") return prism::ShowLive(std::atoi(argv[2]));
   if (argc != 2) return 2;
   prism::WriteReport(argv[1], prism::SampleReport());
   return 0;

@@ -16,6 +16,13 @@ function makePlots(container) {
     }
   });
 
+  // As many decimals as tell one tick from the next.
+  function tickLabel(value, granularity, options, graph) {
+    const [low, high] = graph.yAxisRange();
+    const decimals = Math.ceil(-Math.log10(Math.max((high - low) / 5, 1e-9)));
+    return value.toFixed(Math.min(Math.max(decimals, 0), 6));
+  }
+
   // rows: [time, value, ...] with null where there is none; labels: one a value.
   return function setPlot(name, title, labels, rows) {
     if (rows.length === 0) return;
@@ -40,7 +47,8 @@ function makePlots(container) {
       labelsDiv: panel.querySelector('.plot_legend'),
       legend: labels.length > 1 ? 'always' : 'onmouseover',
       includeZero: name !== 'scale',
-      digitsAfterDecimal: 3,
+      digitsAfterDecimal: 4,
+      axes: {y: {axisLabelFormatter: tickLabel}},
     });
     plots[name] = {graph, labels};
     // The panel gets narrower when others come beside it, and with the window.
