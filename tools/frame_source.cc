@@ -68,7 +68,7 @@ FrameSource OpenRaw(const SequenceOptions& options) {
   return source;
 }
 
-// Chooses and orders the frames; when played back and forth, times go on rising.
+// Chooses and orders the frames.
 void OrderFrames(const SequenceOptions& options, FrameSource* source) {
   const int count = static_cast<int>(source->times_ns.size());
   if (options.start_frame < 0 || options.start_frame >= count) {
@@ -81,22 +81,67 @@ void OrderFrames(const SequenceOptions& options, FrameSource* source) {
   const int length = options.max_frames > 0 ? std::min(options.max_frames, available) : available;
   const std::vector<int64_t> file_times = std::move(source->times_ns);
   source->times_ns.clear();
-  const int passes = std::max(options.ping_pong, 1);
-  const int64_t first = file_times[options.start_frame];
-  const int64_t duration = file_times[options.start_frame + length - 1] - first;
-  for (int pass = 0; pass < passes; ++pass) {
+  source->passes = std::max(options.ping_pong, 1);
+  source->reverse = options.reverse;
+  source->first_ns = file_times[options.start_frame];
+  source->last_ns = file_times[options.start_frame + length - 1];
+  for (int pass = 0; pass < source->passes; ++pass) {
+    const bool is_backwards = (pass % 2 == 1) != options.reverse;
     for (int i = 0; i < length; ++i) {
       if (pass > 0 && i == 0) continue;  // the turning frame is played once
-      const int index = options.start_frame + (pass % 2 == 0 ? i : length - 1 - i);
-      const int64_t since_start = file_times[index] - first;
+      const int index = options.start_frame + (is_backwards ? length - 1 - i : i);
       source->order.push_back(index);
-      source->times_ns.push_back(first + pass * duration +
-                                 (pass % 2 == 0 ? since_start : duration - since_start));
+      source->times_ns.push_back(source->PlayTime(pass, file_times[index]));
     }
   }
 }
 
 }  // namespace
+
+int64_t FrameSource::PlayTime(int pass, int64_t file_time_ns) const {
+  const bool is_backwards = (pass % 2 == 1) != reverse;
+  return first_ns + pass * (last_ns - first_ns) +
+         (is_backwards ? last_ns - file_time_ns : file_time_ns - first_ns);
+}
+
+int64_t FrameSource::FileTime(int64_t play_time_ns) const {
+  const int64_t duration_ns = last_ns - first_ns;
+  const int64_t since_start_ns = play_time_ns - first_ns;
+  const int64_t pass =
+      duration_ns > 0 ? std::clamp<int64_t>(since_start_ns / duration_ns, 0, passes - 1) : 0;
+  const bool is_backwards = (pass % 2 == 1) != reverse;
+  const int64_t in_pass_ns = since_start_ns - pass * duration_ns;
+  return is_backwards ? last_ns - in_pass_ns : first_ns + in_pass_ns;
+}
+
+Trajectory AsPlayed(const FrameSource& source, const Trajectory& in_file_times) {
+  if (source.IsPlayedAsFiled()) return in_file_times;
+  Trajectory played;
+  for (int pass = 0; pass < source.passes; ++pass) {
+    const size_t begin = played.size();
+    for (const StampedPose& pose : in_file_times) {
+      // Only the two ends of the whole have poses beyond the frames: elsewhere the play turns.
+      const int64_t time_ns = source.PlayTime(pass, pose.time_ns);
+      const int64_t turn_before_ns = source.first_ns + pass * (source.last_ns - source.first_ns);
+      const int64_t turn_after_ns = turn_before_ns + (source.last_ns - source.first_ns);
+      if (pass > 0 && time_ns <= turn_before_ns) continue;
+      if (pass + 1 < source.passes && time_ns > turn_after_ns) continue;
+      played.push_back({time_ns, pose.world_from_cam});
+    }
+    if ((pass % 2 == 1) != source.reverse) {
+      std::reverse(played.begin() + static_cast<std::ptrdiff_t>(begin), played.end());
+    }
+  }
+  return played;
+}
+
+Trajectory InFileTimes(const FrameSource& source, const Trajectory& as_played) {
+  CHECK_EQ(source.passes, 1);
+  Trajectory in_file_times = as_played;
+  for (StampedPose& pose : in_file_times) pose.time_ns = source.FileTime(pose.time_ns);
+  if (source.reverse) std::reverse(in_file_times.begin(), in_file_times.end());
+  return in_file_times;
+}
 
 FrameSource OpenSequence(const SequenceOptions& options) {
   const std::string format = DetectFormat(options);

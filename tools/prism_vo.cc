@@ -38,7 +38,11 @@ DEFINE_string(
     "Trajectory (TUM) to evaluate against; empty: groundtruth.txt of the sequence, if there.");
 DEFINE_int32(start_frame, 0, "First frame of the sequence to use.");
 DEFINE_int32(max_frames, 0, "Number of frames to use; 0: all.");
-DEFINE_int32(ping_pong, 0, "Passes through the sequence, forwards and backwards in turn; 0: one.");
+DEFINE_bool(reverse, false, "Plays the frames backwards; the results have the times of the file.");
+DEFINE_int32(ping_pong,
+             0,
+             "Passes through the sequence, forwards and backwards in turn, times going on to rise; "
+             "0: one.");
 DEFINE_int32(threads, 2, "Threads of the optimisation; 1 gives the same result byte for byte.");
 DEFINE_uint64(seed, 0, "Seed of everything random.");
 DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D input; 0: clean.");
@@ -111,6 +115,7 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.format = FLAGS_format;
   options.start_frame = FLAGS_start_frame;
   options.max_frames = FLAGS_max_frames;
+  options.reverse = FLAGS_reverse;
   options.ping_pong = FLAGS_ping_pong;
   options.rgbd.inverse_depth_sigma = FLAGS_rgbd_inverse_depth_sigma;
   options.rgbd.seed = FLAGS_seed;
@@ -180,7 +185,7 @@ ExitStatus Run() {
   const SequenceOptions sequence_options = SequenceOptionsFromFlags();
   const OdometryOptions odometry_options = OptionsFromFlags();
   const FrameSource source = OpenSequence(sequence_options);
-  const Trajectory groundtruth = ReadGroundTruth();
+  const Trajectory groundtruth = AsPlayed(source, ReadGroundTruth());
   CreateDirectory(FLAGS_output_dir);
   cv::setNumThreads(FLAGS_threads);
 
@@ -208,8 +213,12 @@ ExitStatus Run() {
   record.intensity_sigma = odometry.intensity_sigma();
 
   const Trajectory trajectory = odometry.FrameTrajectory();
-  WriteTrajectory(InOutput("trajectory.txt"), trajectory);
-  WriteTrajectory(InOutput("keyframes.txt"), odometry.KeyframeTrajectory());
+  const auto write = [&](const std::string& name, const Trajectory& as_played) {
+    WriteTrajectory(InOutput(name),
+                    source.passes == 1 ? InFileTimes(source, as_played) : as_played);
+  };
+  write("trajectory.txt", trajectory);
+  write("keyframes.txt", odometry.KeyframeTrajectory());
   WritePly(InOutput("points.ply"), PlyPoints(odometry.MapPoints()));
   WriteTextAtomically(InOutput("run.json"), RunToJson(record).dump(1) + "\n");
   std::printf(
@@ -220,15 +229,15 @@ ExitStatus Run() {
       source.size() / record.wall_seconds,
       PeakResidentMib(),
       FLAGS_output_dir.c_str());
-  if (!groundtruth.empty() && FLAGS_ping_pong <= 1) {
+  if (!groundtruth.empty()) {
     EvaluationOptions evaluation;
     evaluation.segment_starts_ns = SegmentStarts(record.frames);
     const TrajectoryMetrics metrics = EvaluateTrajectory(groundtruth, trajectory, evaluation);
     WriteTextAtomically(InOutput("metrics.json"), MetricsToJson(metrics).dump(1) + "\n");
     PrintMetrics(metrics);
   }
-  const auto report = std::make_shared<const RunReport>(
-      recorder.Finish(record, odometry, FLAGS_ping_pong <= 1 ? groundtruth : Trajectory()));
+  const auto report =
+      std::make_shared<const RunReport>(recorder.Finish(record, odometry, groundtruth));
   WriteReport(InOutput("report.html"), *report);
   if (live) {
     RunUpdate end = recorder.TakeUpdate();

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "prism/io/trajectory_file.h"
 #include "test/io/rgbd_folder.h"
 #include "test/tools/run_program.h"
 
@@ -119,6 +120,30 @@ TEST(PrismVo, PlaysBackAndForth) {
   const ProgramResult result = RunVo(folder + "/sequence", folder + "/out", "--ping_pong=3");
   ASSERT_EQ(result.exit_status, 0) << result.output;
   EXPECT_EQ(ReadJson(folder + "/out/run.json")["frame_count"], 8 + 7 + 7);
+  // The ground truth turns with the frames.
+  const nlohmann::json metrics = ReadJson(folder + "/out/metrics.json");
+  EXPECT_EQ(metrics["matched_count"], 8 + 7 + 7);
+  EXPECT_LT(metrics["ate_rmse_m"].get<double>(), 0.01);
+}
+
+TEST(PrismVo, PlaysBackwardsWithTheTimesOfTheFile) {
+  const std::string folder = FreshFolder("run");
+  WriteRgbdFolder(folder + "/sequence");
+  ASSERT_EQ(RunVo(folder + "/sequence", folder + "/forwards").exit_status, 0);
+  const ProgramResult result = RunVo(folder + "/sequence", folder + "/backwards", "--reverse");
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  const nlohmann::json metrics = ReadJson(folder + "/backwards/metrics.json");
+  EXPECT_EQ(metrics["matched_count"], 20);
+  EXPECT_LT(metrics["ate_rmse_m"].get<double>(), 0.01);
+  const Trajectory forwards = ReadTrajectory(folder + "/forwards/trajectory.txt");
+  const Trajectory backwards = ReadTrajectory(folder + "/backwards/trajectory.txt");
+  ASSERT_EQ(forwards.size(), backwards.size());
+  for (size_t i = 0; i < forwards.size(); ++i) {
+    EXPECT_EQ(forwards[i].time_ns, backwards[i].time_ns);
+  }
+  // World is the first camera, which is the last one of the file here.
+  EXPECT_LT(backwards.back().world_from_cam.translation().norm(), 1e-6);
+  EXPECT_GT(backwards.front().world_from_cam.translation().norm(), 0.01);
 }
 
 TEST(PrismVo, BadInputExitsWithTwoAndLeavesNothingBehind) {
