@@ -23,6 +23,7 @@ constexpr double kTop = 40;
 constexpr double kBottom = 55;
 constexpr double kTextSize = 13;
 constexpr double kThinning_px = 0.4;  // points nearer to the last drawn one add nothing
+constexpr size_t kMaxPointsDrawn = 10000;
 constexpr Color kInk{40, 40, 40};
 constexpr Color kGrid{225, 225, 225};
 constexpr Color kReference{150, 150, 150};
@@ -123,24 +124,57 @@ void DrawFrame(const Plot& plot, const Axes& axes, PlotCanvas* canvas) {
   canvas->Text({18, middle_y}, plot.y_label, TextAnchor::kMiddle, kTextSize, kInk, true);
 }
 
+// Points that follow each other in a column of half a pixel are one vertical stroke: the first, the
+// lowest, the highest and the last draw it. So long a line over time keeps all its peaks.
+std::vector<PlotPoint> JoinColumns(const std::vector<PlotPoint>& line) {
+  const auto column = [](const PlotPoint& point) { return std::floor(2 * point.x); };
+  std::vector<PlotPoint> joined;
+  for (size_t begin = 0; begin < line.size();) {
+    size_t end = begin;
+    size_t low = begin;
+    size_t high = begin;
+    for (; end < line.size() && column(line[end]) == column(line[begin]); ++end) {
+      if (line[end].y < line[low].y) low = end;
+      if (line[end].y > line[high].y) high = end;
+    }
+    std::array<size_t, 4> kept = {begin, std::min(low, high), std::max(low, high), end - 1};
+    for (size_t k = 0; k < kept.size(); ++k) {
+      if (k == 0 || kept[k] != kept[k - 1]) joined.push_back(line[kept[k]]);
+    }
+    begin = end;
+  }
+  return joined;
+}
+
+// What is left to draw of a line: no more points than an eye can tell apart.
+std::vector<PlotPoint> Thinned(const std::vector<PlotPoint>& line) {
+  const std::vector<PlotPoint> joined = JoinColumns(line);
+  const size_t step = joined.size() / kMaxPointsDrawn + 1;
+  std::vector<PlotPoint> thinned;
+  for (size_t i = 0; i < joined.size(); i += step) {
+    const PlotPoint& point = joined[i];
+    if (!thinned.empty() &&
+        std::hypot(point.x - thinned.back().x, point.y - thinned.back().y) < kThinning_px) {
+      continue;
+    }
+    thinned.push_back(point);
+  }
+  if (!joined.empty()) thinned.push_back(joined.back());
+  return thinned;
+}
+
 void DrawSeries(const PlotSeries& series, Color color, const Axes& axes, PlotCanvas* canvas) {
   const double width = series.is_reference ? 2.5 : 1.5;
   std::vector<PlotPoint> line;
-  for (size_t i = 0; i < series.points.size(); ++i) {
-    if (!IsFinite(series.points[i])) {
-      canvas->Polyline(line, color, width);
+  for (const PlotPoint& point : series.points) {
+    if (IsFinite(point)) {
+      line.push_back({axes.X(point.x), axes.Y(point.y)});
+    } else {
+      canvas->Polyline(Thinned(line), color, width);
       line.clear();
-      continue;
     }
-    const PlotPoint point{axes.X(series.points[i].x), axes.Y(series.points[i].y)};
-    const bool is_last = i + 1 == series.points.size();
-    if (!line.empty() && !is_last &&
-        std::hypot(point.x - line.back().x, point.y - line.back().y) < kThinning_px) {
-      continue;
-    }
-    line.push_back(point);
   }
-  canvas->Polyline(line, color, width);
+  canvas->Polyline(Thinned(line), color, width);
 }
 
 void Draw(const Plot& plot, PlotCanvas* canvas) {

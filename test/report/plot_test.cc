@@ -55,6 +55,22 @@ TEST(Plot, IsWrittenAsSvgAndPngOfTheSameDrawing) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Plot, ALongLineKeepsItsPeaksAndFewPoints) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "plot_long_test";
+  CreateDirectory(folder.string());
+  Plot plot{"Long", "x", "y", {{"noise", {}}}, false, true};
+  for (int i = 0; i < 200000; ++i) {
+    plot.series[0].points.push_back({static_cast<double>(i), i % 2 == 0 ? 1.0 : 2.0});
+  }
+  plot.series[0].points[123457].y = 9;
+  WritePlot((folder / "long").string(), plot);
+  const std::string svg = ReadTextFile((folder / "long.svg").string());
+  EXPECT_LT(svg.size(), 100000u);
+  // The y axis goes from 0 at 445 px to 1.04 x 9 at 40 px.
+  EXPECT_THAT(svg, HasSubstr(",55.6 ")) << "the peak";
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Plot, WithoutPointsShowsEmptyAxes) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "plot_empty_test";
   CreateDirectory(folder.string());

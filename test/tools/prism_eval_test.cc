@@ -116,12 +116,13 @@ TEST_F(PrismEvalTest, BadInputIsStatusTwoWithOneLine) {
   EXPECT_EQ(RunProgram("prism_eval --help").exit_status, 0);
 }
 
-TEST_F(PrismEvalTest, EvaluatesAHundredThousandPosesInTwoSeconds) {
+TEST_F(PrismEvalTest, EvaluatesAndPlotsAHundredThousandPosesInTwoSeconds) {
   const std::string truth = Write("truth.txt", Circle(100000, 1.0));
   const std::string estimate = Write("estimate.txt", Circle(100000, 0.97));
   const double before_s = ChildrenSeconds();
-  const ProgramResult run = RunProgram("prism_eval --groundtruth=" + truth +
-                                       " --estimate=" + estimate + " --json=" + Path("m.json"));
+  const ProgramResult run =
+      RunProgram("prism_eval --groundtruth=" + truth + " --estimate=" + estimate +
+                 " --json=" + Path("m.json") + " --plot_dir=" + Path("plots"));
   EXPECT_EQ(run.exit_status, 0) << run.output;
   EXPECT_LT(ChildrenSeconds() - before_s, 2.0);
 }
