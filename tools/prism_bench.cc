@@ -68,8 +68,35 @@ BenchResult RunJob(const BenchSuite& suite, const BenchJob& job) {
   return result;
 }
 
-// Runs or takes over every job; appends a line to results.jsonl after each.
-std::vector<BenchResult> RunJobs(const BenchSuite& suite, const std::vector<BenchJob>& jobs) {
+// The ground truth of a sequence: the flag's, or the sequence's own.
+std::string GroundtruthPath(const BenchSuite& suite, const BenchSequence& sequence) {
+  FlagMap flags = suite.flags;
+  for (const auto& [name, value] : sequence.flags) flags[name] = value;
+  if (flags.count("groundtruth") > 0) return flags["groundtruth"];
+  if (flags.count("sequence") > 0)
+    return (fs::path(flags["sequence"]) / "groundtruth.txt").string();
+  throw InputError(FLAGS_suite,
+                   "no flag groundtruth of " + sequence.name,
+                   "one, to evaluate trajectories of other systems");
+}
+
+// Trajectories of other systems. Read before anything runs: a mistake in the suite shows at once.
+std::vector<BenchResult> EvaluateExternals(const BenchSuite& suite) {
+  std::vector<BenchResult> results;
+  for (const BenchExternal& external : suite.external) {
+    for (const BenchSequence& sequence : suite.sequences) {
+      if (sequence.name != external.sequence) continue;
+      results.push_back(EvaluateExternal(external, GroundtruthPath(suite, sequence)));
+    }
+  }
+  return results;
+}
+
+// Runs or takes over every job; appends a line to results.jsonl after each, and those of other
+// systems at the end.
+std::vector<BenchResult> RunJobs(const BenchSuite& suite,
+                                 const std::vector<BenchJob>& jobs,
+                                 std::vector<BenchResult> external) {
   std::vector<BenchResult> results;
   std::ofstream lines(InOutput("results.jsonl"), std::ios::trunc);
   for (size_t i = 0; i < jobs.size(); ++i) {
@@ -82,18 +109,9 @@ std::vector<BenchResult> RunJobs(const BenchSuite& suite, const std::vector<Benc
               << std::endl;
     results.push_back(std::move(result));
   }
-  for (const BenchExternal& external : suite.external) {
-    for (const BenchSequence& sequence : suite.sequences) {
-      if (sequence.name != external.sequence) continue;
-      const auto truth = sequence.flags.find("groundtruth");
-      if (truth == sequence.flags.end()) {
-        throw InputError(FLAGS_suite,
-                         "no flag groundtruth of " + sequence.name,
-                         "one, to evaluate " + external.name);
-      }
-      results.push_back(EvaluateExternal(external, truth->second));
-      lines << results.back().dump() << std::endl;
-    }
+  for (BenchResult& result : external) {
+    lines << result.dump() << std::endl;
+    results.push_back(std::move(result));
   }
   if (!lines) throw InputError(InOutput("results.jsonl"), "an error on writing", "space left");
   return results;
@@ -126,14 +144,18 @@ void WriteSuiteReport(const std::vector<std::pair<std::string, std::string>>& ta
   WriteTextAtomically(InOutput("report.html"), page + "</body></html>\n");
 }
 
-void Summarize(const std::vector<BenchResult>& results) {
+// `baseline`: results to compare with; empty: none.
+void Summarize(const std::vector<BenchResult>& results, const std::vector<BenchResult>& baseline) {
   std::vector<std::pair<std::string, std::string>> tables = {
       {"Medians over the runs", FormatResultTable(results)},
       {"Stage times", FormatStageTable(results)}};
-  if (!FLAGS_baseline.empty()) {
-    const auto path = fs::path(FLAGS_baseline) / "results.jsonl";
-    tables.emplace_back("Against " + FLAGS_baseline,
-                        FormatComparison(results, ReadResults(path.string())));
+  std::vector<BenchResult> plotted = results;
+  if (!baseline.empty()) {
+    tables.emplace_back("Against " + FLAGS_baseline, FormatComparison(results, baseline));
+    for (BenchResult result : baseline) {
+      result["variant"] = result["variant"].get<std::string>() + " (before)";
+      plotted.push_back(std::move(result));
+    }
   }
   std::string text;
   for (const auto& [title, table] : tables) text += "\n" + title + "\n" + table;
@@ -148,7 +170,7 @@ void Summarize(const std::vector<BenchResult>& results) {
                                                         {"d_s", "absolute scale error d_s"}};
   for (const auto& [key, label] : errors) {
     const std::string path = InOutput(std::string("cumulative_") + key);
-    WritePlot(path, CumulativePlot(results, key, label));
+    WritePlot(path, CumulativePlot(plotted, key, label));
     plots.push_back(path + ".svg");
   }
   WriteSuiteReport(tables, plots);
@@ -187,7 +209,11 @@ ExitStatus Run() {
     std::cout << job.name() << ": " << result["status"].get<std::string>() << "\n";
     return kExitDone;
   }
-  Summarize(RunJobs(suite, jobs));
+  std::vector<BenchResult> baseline;
+  if (!FLAGS_baseline.empty()) {
+    baseline = ReadResults((fs::path(FLAGS_baseline) / "results.jsonl").string());
+  }
+  Summarize(RunJobs(suite, jobs, EvaluateExternals(suite)), baseline);
   return kExitDone;
 }
 

@@ -11,6 +11,7 @@
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
+#include "prism/io/trajectory_file.h"
 #include "test/tools/run_program.h"
 #include "tools/bench_process.h"
 #include "tools/bench_results.h"
@@ -54,6 +55,10 @@ variants:
   - name: bad
     flags: {error: 0.5}
 )";
+
+const std::string kSuiteOfOne =
+    "sequences: [{name: kitchen, flags: {sequence: '{data}/kitchen'}}]\n"
+    "variants: [{name: good, flags: {error: 0.01}}]\n";
 
 class PrismBenchTest : public ::testing::Test {
  protected:
@@ -119,6 +124,58 @@ TEST_F(PrismBenchTest, TakesUpAStoppedSuiteWhereItWas) {
   EXPECT_EQ(Calls(), 5u) << "only seeds 1, 2 and 3 were missing";
   RunBench("--filter=good --retry_failed");
   EXPECT_EQ(Calls(), 8u);
+}
+
+TEST_F(PrismBenchTest, ComparesWithAnotherSuiteInTableAndPlots) {
+  Write("suite.yaml", kSuiteOfOne);
+  ASSERT_EQ(RunBench("").exit_status, 0);
+  fs::rename(Path("out"), Path("before"));
+  std::string worse = kSuiteOfOne;
+  worse.replace(worse.find("0.01"), 4, "0.05");
+  Write("suite.yaml", worse);
+  const ProgramResult run = RunBench("--baseline=" + Path("before"));
+  ASSERT_EQ(run.exit_status, 0) << run.output;
+  EXPECT_THAT(ReadTextFile(Path("out/table.txt")),
+              ::testing::ContainsRegex("kitchen/good +ATE m +0.0100 +0.0100 to 0.0100 +0.0500 +"
+                                       "0.0500 to 0.0500 +worse"));
+  EXPECT_THAT(ReadTextFile(Path("out/cumulative_ate_rmse_m.svg")), HasSubstr(">good (before)<"));
+  EXPECT_THAT(ReadTextFile(Path("out/report.html")), HasSubstr("worse"));
+  const ProgramResult nowhere = RunBench("--baseline=" + Path("nowhere"));
+  EXPECT_EQ(nowhere.exit_status, 2);
+  EXPECT_THAT(nowhere.output, HasSubstr("nowhere/results.jsonl"));
+}
+
+TEST_F(PrismBenchTest, TrajectoriesOfOtherSystemsJoinTablesAndPlots) {
+  Trajectory truth;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d position(std::sin(0.1 * i), 0.01 * i, std::cos(0.1 * i));
+    truth.push_back({i * int64_t{100000000}, SE3(Eigen::Quaterniond::Identity(), position)});
+  }
+  Trajectory half = truth;
+  for (StampedPose& pose : half) {
+    pose.world_from_cam =
+        SE3(Eigen::Quaterniond::Identity(), 0.5 * pose.world_from_cam.translation());
+  }
+  CreateDirectory(Path("kitchen"));
+  WriteTrajectory(Path("kitchen/groundtruth.txt"), truth);
+  WriteTrajectory(Path("half.txt"), half);
+  const std::string external =
+      "external:\n  - {name: other, sequence: kitchen, trajectory: '{data}/";
+  Write("suite.yaml", kSuiteOfOne + external + "half.txt'}\n");
+  const ProgramResult run = RunBench("--data_dir=" + folder_.string());
+  ASSERT_EQ(run.exit_status, 0) << run.output;
+  const auto results = ReadResults(Path("out/results.jsonl"));
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_NEAR(MetricOf(results[1], "scale"), 2, 1e-6);
+  EXPECT_THAT(ReadTextFile(Path("out/table.txt")), HasSubstr("kitchen/other"));
+  EXPECT_THAT(ReadTextFile(Path("out/cumulative_d_s.svg")), HasSubstr(">other<"));
+
+  Write("suite.yaml", kSuiteOfOne + external + "nowhere.txt'}\n");
+  fs::remove_all(Path("out"));
+  const ProgramResult missing = RunBench("--data_dir=" + folder_.string());
+  EXPECT_EQ(missing.exit_status, 2);
+  EXPECT_THAT(missing.output, HasSubstr("nowhere.txt"));
+  EXPECT_FALSE(fs::exists(Path("out/runs/calls"))) << "it is said before anything runs";
 }
 
 TEST_F(PrismBenchTest, ListsItsJobsByNumber) {
