@@ -64,23 +64,26 @@ void ReportRecorder::UpdateKeyframes(const Window& window) {
     Entry& entry = position->second;
     if (is_new) {
       entry.keyframe.time_ns = keyframe->frame->time_ns;
-      entry.thumbnail = std::async(std::launch::async, [frame = keyframe->frame] {
+      entry.thumbnail = std::async(std::launch::async, [frame = keyframe->frame]() mutable {
         ReportKeyframe thumbnail;
         SetThumbnail(frame->image[0], kThumbnailWidth_px, &thumbnail);
+        frame.reset();  // the future would hold it
         return thumbnail;
       });
     }
     const double factor = ThumbnailFactor(keyframe->frame->image[0].width(), kThumbnailWidth_px);
     entry.keyframe.world_from_cam = keyframe->state.pose().Inverse();
-    entry.keyframe.points.clear();
+    std::vector<ReportKeyframe::Point> points;
     for (const auto& point : keyframe->points) {
       if (point->rho <= 0) continue;
       const Eigen::Vector2d px =
           (point->patch.px + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
-      entry.keyframe.points.push_back({static_cast<float>(px.x()),
-                                       static_cast<float>(px.y()),
-                                       static_cast<float>(1 / point->rho)});
+      points.push_back({static_cast<float>(px.x()),
+                        static_cast<float>(px.y()),
+                        static_cast<float>(1 / point->rho)});
     }
+    entry.most_points = std::max(entry.most_points, points.size());
+    if (2 * points.size() >= entry.most_points) entry.keyframe.points = std::move(points);
     entry.has_changed = true;
   }
 }

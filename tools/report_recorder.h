@@ -33,9 +33,11 @@ class ReportRecorder {
                    const Trajectory& groundtruth);
 
  private:
-  // Points and pose as they were when the window last held the keyframe.
+  // Pose as it was when the window last held the keyframe. Points as they were when it last had at
+  // least half of the most it ever had: later ones are what marginalisation has left.
   struct Entry {
-    ReportKeyframe keyframe;                // without image until `thumbnail` is taken
+    ReportKeyframe keyframe;  // without image until `thumbnail` is taken
+    size_t most_points = 0;
     std::future<ReportKeyframe> thumbnail;  // image and size only
     bool is_told = false;                   // by TakeUpdate
     bool has_changed = false;               // since it was told

@@ -138,8 +138,10 @@ Json FrameToReportJson(const ReportFrame& frame) {
                {"keyframe", frame.is_keyframe},
                {"ms", frame.stage_ms}};
   if (!frame.is_tracked) return json;
-  json["rms"] = frame.residual_rms;
-  json["points"] = frame.points;
+  if (frame.points > 0) {  // a frame that begins a segment is not aligned to anything
+    json["rms"] = frame.residual_rms;
+    json["points"] = frame.points;
+  }
   json["a"] = frame.brightness_a;
   json["b"] = frame.brightness_b;
   return json;

@@ -99,7 +99,7 @@
     if (data.frames.length === 0) return;
     const start = data.frames[0].t;
     const rows = (...keys) => data.frames.map(
-        frame => [frame.t - start, ...keys.map(key => frame.tracked ? frame[key] : null)]);
+        frame => [frame.t - start, ...keys.map(key => frame[key] === undefined ? null : frame[key])]);
     setPlot('rms', 'Residual RMS (intensities)', ['RMS'], rows('rms'));
     setPlot('points', 'Points used', ['points'], rows('points'));
     setPlot('a', 'Brightness a (log gain)', ['a'], rows('a'));
