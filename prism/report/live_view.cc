@@ -23,10 +23,13 @@ using Clock = std::chrono::steady_clock;
 
 // How often a stream without news is written to, to notice that the browser has gone.
 constexpr auto kHeartbeat = std::chrono::seconds(1);
-constexpr auto kPatience = std::chrono::seconds(2);
 constexpr auto kPageLoadTime = std::chrono::seconds(5);
-constexpr size_t kEventsAtOnce = 32;  // written together
-constexpr size_t kThreads = 16;       // each serves one browser
+// At the end: with a browser that takes nothing, and in all. A page that draws may take nothing for
+// a second or two.
+constexpr auto kPatience = std::chrono::seconds(5);
+constexpr auto kLongestEnd = std::chrono::seconds(30);
+constexpr size_t kEventsAtOnce = 8;  // written together
+constexpr size_t kThreads = 16;      // each serves one browser
 
 using Update = std::shared_ptr<const RunUpdate>;
 
@@ -103,7 +106,6 @@ struct LiveView::Server {
   struct Browser {
     size_t next = 0;  // update to send
     bool is_of_other_run = false;
-    bool is_gone = false;
   };
 
   httplib::Server http;
@@ -119,6 +121,7 @@ struct LiveView::Server {
   std::vector<std::shared_ptr<Browser>> browsers;
   int pages_loading = 0;  // asked for, their streams not yet
   Clock::time_point last_page_time;
+  Clock::time_point last_progress_time;  // when a browser took an update
   bool stopping = false;
 
   void PageAskedFor() {
@@ -159,15 +162,17 @@ struct LiveView::Server {
       return true;
     }
     std::vector<Update> updates;
+    bool is_end = false;
     {
       std::unique_lock<std::mutex> lock(mutex);
       changed.wait_for(
           lock, kHeartbeat, [&] { return stopping || browser->next < history.size(); });
       updates = history.From(browser->next);
-      if (stopping && updates.empty()) {
-        sink->done();
-        return true;
-      }
+      is_end = stopping && updates.empty();
+    }
+    if (is_end) {
+      sink->done();
+      return true;
     }
     std::string text;
     size_t next = browser->next;
@@ -179,15 +184,25 @@ struct LiveView::Server {
     const bool is_written = sink->write(text.data(), text.size());
     const std::lock_guard<std::mutex> lock(mutex);
     browser->next = next;
-    browser->is_gone = !is_written;
+    if (is_written && !updates.empty()) last_progress_time = Clock::now();
     changed.notify_all();
     return is_written;
   }
 
-  bool AllServed() const {
-    return std::all_of(browsers.begin(), browsers.end(), [&](const auto& browser) {
-      return browser->is_gone || browser->is_of_other_run || browser->next == history.size();
-    });
+  // Ends all streams once their browsers have all updates, or there is no hope for that.
+  void WaitForBrowsers() {
+    std::unique_lock<std::mutex> lock(mutex);
+    changed.wait_until(lock, last_page_time + kPageLoadTime, [&] { return pages_loading == 0; });
+    stopping = true;
+    changed.notify_all();
+    const Clock::time_point begin = Clock::now();
+    last_progress_time = begin;
+    // Each stream has to come to its orderly end: what a browser has not read of one that is cut
+    // off is lost to it.
+    while (!browsers.empty() && Clock::now() < begin + kLongestEnd &&
+           Clock::now() < last_progress_time + kPatience) {
+      changed.wait_for(lock, std::chrono::milliseconds(100));
+    }
   }
 };
 
@@ -222,14 +237,7 @@ std::unique_ptr<LiveView> LiveView::Start(const std::string& address,
 LiveView::LiveView(std::unique_ptr<Server> server) : server_(std::move(server)) {}
 
 LiveView::~LiveView() {
-  {
-    std::unique_lock<std::mutex> lock(server_->mutex);
-    server_->changed.wait_until(
-        lock, server_->last_page_time + kPageLoadTime, [&] { return server_->pages_loading == 0; });
-    server_->changed.wait_for(lock, kPatience, [&] { return server_->AllServed(); });
-    server_->stopping = true;
-  }
-  server_->changed.notify_all();
+  server_->WaitForBrowsers();
   while (!server_->http.is_running()) std::this_thread::yield();  // stop() before that is lost
   server_->http.stop();
   server_->thread.join();

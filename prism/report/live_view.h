@@ -46,8 +46,9 @@ class LiveView {
                                          int port,
                                          const RunReport& run,
                                          std::string* error);
-  // Ends the server once browsers have got what is left: waits up to two seconds for them, and
-  // before that for a page that was asked for less than five seconds ago to open its stream.
+  // Ends the server once browsers have got what is left: waits as long as one of them takes
+  // something every five seconds, and thirty at most. A page asked for less than five seconds ago
+  // is given the time to open its stream before that.
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
