@@ -19,7 +19,7 @@ else
   sequence=out/demo/sequence
   output=out/demo/result
   camera=
-  "$bin/prism_simulate" --scene=room --trajectory=loop --frames=60 --extent_m=0.25 \
+  "$bin/prism_simulate" --scene=room --trajectory=loop --frames=60 --extent_m=0.25 --replace \
     --camera=calib/raytrix_r5_16mm.yaml --output_dir="$sequence"
 fi
 

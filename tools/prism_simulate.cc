@@ -41,6 +41,7 @@ DEFINE_double(exposure_ms, 4, "Exposure time in ms (motion blur)");
 DEFINE_double(exposure_change, 0.08, "Relative amplitude of a slow change of brightness");
 DEFINE_int32(truth_every, 10, "Depth truth of every Nth frame; 0: none");
 DEFINE_bool(preview, false, "Also write what a conventional camera would see");
+DEFINE_bool(replace, false, "Remove frames in the folder that were rendered with other flags");
 DEFINE_int32(threads, 0, "Threads; 0: one a core");
 
 namespace prism {
@@ -76,6 +77,7 @@ SimulateOptions ReadOptions() {
   options.exposure_change = FLAGS_exposure_change;
   options.truth_every = FLAGS_truth_every;
   options.preview = FLAGS_preview;
+  options.replace = FLAGS_replace;
   RequireValid(options);
   return options;
 }
@@ -135,7 +137,7 @@ CameraMotion ReadMotion(SimPath path) {
 std::string Description() {
   std::ostringstream text;
   for (const auto& [name, value] : EffectiveOptions()) {
-    if (name != "output_dir" && name != "threads") text << "--" << name << "=" << value << "\n";
+    if (name != "output_dir" && name != "replace" && name != "threads") text << "--" << name << "=" << value << "\n";
   }
   return text.str();
 }

@@ -12,7 +12,7 @@
 namespace prism {
 namespace {
 
-constexpr int kAmbientRays = 64;
+constexpr int kAmbientRays = 128;
 constexpr int kLampSide = 4;                // strata along a lamp's side
 constexpr float kOcclusionDistance = 2.0f;  // m; surfaces further off count as bright as the sky
 constexpr float kOccludedAmbient = 0.35f;   // light that comes back from near surfaces
@@ -27,10 +27,13 @@ float Irradiance(const RayCaster& caster,
   const Eigen::Vector3f tangent = normal.unitOrthogonal();
   const Eigen::Vector3f bitangent = normal.cross(tangent);
   float open = 0;
+  const float turn = random.Uniform();
   for (int i = 0; i < kAmbientRays; ++i) {
-    // Cosine-weighted directions, stratified in their elevation.
-    const float r2 = (static_cast<float>(i) + random.Uniform()) / kAmbientRays;
-    const float phi = 2 * static_cast<float>(M_PI) * random.Uniform();
+    // Cosine-weighted directions on a spiral of the golden angle, turned at random: even, so that
+    // blank walls do not get blotches.
+    constexpr float kGoldenRatio = 0.618034f;
+    const float r2 = (static_cast<float>(i) + 0.5f) / kAmbientRays;
+    const float phi = 2 * static_cast<float>(M_PI) * (static_cast<float>(i) * kGoldenRatio + turn);
     const float r = std::sqrt(r2);
     const Eigen::Vector3f direction =
         r * (std::cos(phi) * tangent + std::sin(phi) * bitangent) + std::sqrt(1 - r2) * normal;

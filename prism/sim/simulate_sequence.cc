@@ -25,19 +25,30 @@ constexpr int kExposureMoments = 32;   // poses over the exposure
 constexpr double kBrightLevel = 0.92;  // of full scale, of the brightest percent
 constexpr double kFar = 1e6;           // m
 
+// To be raised with every change of the pixels, so that old frames and new ones are not mixed.
+constexpr char kRenderer[] = "renderer 2\n";
+
 std::string FrameName(const std::string& folder, size_t frame, const char* extension) {
   char name[32];
   std::snprintf(name, sizeof(name), "/%06zu", frame);
   return folder + name + extension;
 }
 
-void RequireSameDescription(const std::string& path, const std::string& description) {
-  if (!fs::exists(path)) {
+// What the folder holds already must have been rendered by the same description; else it is an
+// error, or is removed.
+void ClaimFolder(const std::string& folder, const std::string& description, bool replace) {
+  const std::string path = folder + "/simulate.txt";
+  const std::string found = fs::exists(path) ? ReadTextFile(path) : "";
+  if (found == description) return;
+  if (found.empty() || replace) {
+    for (const char* name :
+         {"/raw.txt", "/raw", "/white.png", "/virtual_depth_truth", "/depth_truth", "/preview"}) {
+      if (!found.empty()) fs::remove_all(folder + name);
+    }
+    CreateDirectory(folder);
     WriteTextAtomically(path, description);
     return;
   }
-  const std::string found = ReadTextFile(path);
-  if (found == description) return;
   std::istringstream old_lines(found);
   std::istringstream new_lines(description);
   std::string old_line;
@@ -47,7 +58,7 @@ void RequireSameDescription(const std::string& path, const std::string& descript
   }
   throw InputError(path,
                    "frames rendered with '" + old_line + "'",
-                   "'" + new_line + "', or another --output_dir");
+                   "'" + new_line + "', another --output_dir, or --replace");
 }
 
 void RequireFreeSpace(const RayCaster& caster,
@@ -169,8 +180,8 @@ void SimulateSequence(const SimScene& scene,
   const Trajectory poses = motion.AtFrames();
   RequireFreeSpace(caster, poses, 2 * camera.focal_length, motion_name);
 
+  ClaimFolder(output_dir, kRenderer + description, options.replace);
   CreateDirectory(output_dir + "/raw");
-  RequireSameDescription(output_dir + "/simulate.txt", description);
   if (options.truth_every > 0) {
     CreateDirectory(output_dir + "/virtual_depth_truth");
     CreateDirectory(output_dir + "/depth_truth");

@@ -21,6 +21,7 @@ struct SimulateOptions {
   double exposure_change = 0.0;  // relative amplitude of a slow change of brightness, 0.08: 8 %
   int truth_every = 10;          // depth truth of every Nth frame; 0: none
   bool preview = false;          // a conventional view of every frame
+  bool replace = false;          // removes frames of another description instead of refusing
 
   bool IsValid(std::string* error) const;
 };
@@ -38,7 +39,8 @@ struct SimulateProgress {
 // depth_truth/NNNNNN.tiff (32-bit float, m, 0 none), preview/NNNNNN.png if wanted.
 //
 // Frames already there are kept, so a stopped run goes on where it was; `description` (all that
-// determines the pictures) is stored in simulate.txt and must be the same. raw.txt is written last:
+// determines the pictures) is stored in simulate.txt and must be the same, or what is there is
+// removed first if options.replace says so. raw.txt is written last:
 // a folder with it is complete. Brightness is set once so that 1 % of a preview is overexposed.
 //
 // Throws InputError: a pose inside geometry or nearer to a surface than twice the focal length

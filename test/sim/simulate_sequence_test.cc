@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
@@ -123,6 +124,49 @@ TEST_F(SimulateSequenceTest, FramesOfOtherOptionsAreNotMixed) {
   Simulate();
   const std::string error = ErrorOfSimulate("--seed=2\n");
   EXPECT_THAT(error, HasSubstr("simulate.txt: found frames rendered with '--seed=1'"));
+  options_.replace = true;
+  EXPECT_EQ(Simulate("--seed=2\n"), 3);
+  EXPECT_EQ(Simulate("--seed=2\n"), 0);
+}
+
+TEST_F(SimulateSequenceTest, BrightnessChangesOnceUpAndDownOverTheSequence) {
+  options_.sensor.full_well_electrons = 0;
+  options_.exposure_change = 0.08;
+  motion_ = FollowTrajectory({{0, motion_.AtFrames()[0].world_from_cam},
+                              {100000000, motion_.AtFrames()[0].world_from_cam},
+                              {200000000, motion_.AtFrames()[0].world_from_cam},
+                              {300000000, motion_.AtFrames()[0].world_from_cam}});
+  Simulate();
+  const auto mean = [&](int frame) {
+    return cv::mean(ReadImageUnchanged(folder_ + "/raw/00000" + std::to_string(frame) + ".png"))[0];
+  };
+  EXPECT_NEAR(mean(1) / mean(0), 1.08, 0.005);
+  EXPECT_NEAR(mean(2) / mean(0), 1.00, 0.005);
+  EXPECT_NEAR(mean(3) / mean(0), 0.92, 0.005);
+}
+
+TEST_F(SimulateSequenceTest, AFrameIsTakenAroundItsTimeForAsLongAsTheExposure) {
+  // 4 cm in 0.1 s across the patch; 50 ms blur its borders over 2 cm, to both sides alike.
+  const SE3 start = motion_.AtFrames()[0].world_from_cam;
+  const SE3 step(Eigen::Quaterniond::Identity(), {0.04, 0, 0});
+  motion_ = FollowTrajectory(
+      {{0, start * step.Inverse()}, {100000000, start}, {200000000, start * step}});
+  options_.sensor.full_well_electrons = 0;
+  const auto middle_frame = [&](double exposure_s) {
+    options_.exposure_s = exposure_s;
+    options_.replace = true;
+    Simulate("--exposure_s=" + std::to_string(exposure_s) + "\n");
+    cv::Mat image = ReadImageUnchanged(folder_ + "/raw/000001.png");
+    image.convertTo(image, CV_32F);
+    return image;
+  };
+  const cv::Mat sharp = middle_frame(0);
+  const cv::Mat blurred = middle_frame(0.05);
+  EXPECT_GT(cv::norm(sharp, blurred, cv::NORM_L1) / sharp.total(), 1);
+  EXPECT_NEAR(cv::mean(blurred)[0], cv::mean(sharp)[0], 0.01 * cv::mean(sharp)[0]);
+  const cv::Moments a = cv::moments(sharp);
+  const cv::Moments b = cv::moments(blurred);
+  EXPECT_NEAR(a.m10 / a.m00, b.m10 / b.m00, 0.5);
 }
 
 TEST_F(SimulateSequenceTest, ACameraInsideGeometryIsRefusedBeforeAnythingIsWritten) {
