@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -15,6 +16,11 @@ struct MicroLensType {
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // in diameters, y up: one lens of this type
   double min_virtual_depth = 1;                      // v
   double max_virtual_depth = 100;                    // v
+
+  // 1/v the type is focused on: the middle, in 1/v, of its range as far as it is above v = 2.
+  double FocusInverseVirtualDepth() const {
+    return 0.5 * (std::min(0.5, 1 / min_virtual_depth) + 1 / max_virtual_depth);
+  }
 };
 
 // Axial index (i, j) of a lens on the lattice.

@@ -13,61 +13,100 @@
 #include "prism/lightfield/patch_kernel.h"
 
 namespace prism {
+
+// Which lens types of an array with several focal lengths are compared at 1/v = w, and how much
+// each is blurred so that all are equally blurred. Types whose defocus exceeds the sharpest's by
+// more than one pass of the filter can give are left out.
+class DefocusMatch {
+ public:
+  DefocusMatch(const LensTable& lenses, float w) {
+    const std::vector<float>& focus = lenses.focus_of_type();
+    const int types = static_cast<int>(focus.size());
+    float variance[kMaxTypes];
+    float least = 1e9f;
+    for (int type = 0; type < types; ++type) {
+      variance[type] = lenses.DefocusVariance() * (w - focus[type]) * (w - focus[type]);
+      least = std::min(least, variance[type]);
+    }
+    float most = least;
+    for (int type = 0; type < types; ++type) {
+      blend_[type] = variance[type] - least > kFilterVariance ? -1 : 0;
+      if (blend_[type] == 0) most = std::max(most, variance[type]);
+    }
+    for (int type = 0; type < types; ++type) {
+      if (blend_[type] == 0) blend_[type] = (most - variance[type]) / kFilterVariance;
+    }
+  }
+  bool Uses(int type) const { return blend_[type] >= 0; }
+  float Blend(int type) const { return blend_[type]; }  // of PreparedRaw::smoother, 0 to 1
+
+ private:
+  static constexpr int kMaxTypes = 3;
+  float blend_[kMaxTypes];
+};
+
 namespace {
 
 constexpr int kBlock = 8;               // raw px a side of a texture block
 constexpr float kSmoothNoise = 0.375f;  // noise of PreparedRaw::smooth over that of gray
 // Variance of one gradient component of the interpolated smooth image over that of gray's noise.
 constexpr float kGradientNoise = 0.08f;
-constexpr float kMargin = kPatchRadius + 7;  // px: the kernel reads kPatchLanes + 1 pixels a row
+constexpr float kMargin = kPatchRadius + 8;  // px: the kernel reads kPatchLanes + 1 pixels a row
 constexpr int kMaxHypotheses = 64;
-constexpr int kMaxSearched = 7;  // lenses in the search, nearest to the chief ray first
-constexpr int kMaxRefined = 14;  // lenses in the refinement
+constexpr float kLastStep = 0.003f;  // of 1/v: a Gauss-Newton step this small is the last
+constexpr int kMaxSearched = 7;      // lenses in the search, nearest to the chief ray first
+constexpr int kMaxRefined = 14;      // lenses in the refinement
 
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
 
-// What noise alone adds to PatchSums::hessian: sum p q |d(x, y)/dw|^2 times the gradient's
+// What noise alone adds to PatchSums::hessian: the sum of p |d(x, y)/dw|^2 times the gradient's
 // variance.
 float NoiseHessian(const Samples& samples, int count, const PatchSums& sums, float noise) {
   float baseline = 0;
-  float weight = 0;
   for (int k = 0; k < count; ++k) {
-    const PatchSample& sample = samples[k];
-    weight += sample.weight;
-    baseline += sample.weight * (sample.dx * sample.dx + sample.dy * sample.dy);
+    baseline += samples[k].dx * samples[k].dx + samples[k].dy * samples[k].dy;
   }
-  return kGradientNoise * noise * noise * sums.freedom * baseline / weight;
+  return kGradientNoise * noise * noise * sums.freedom * baseline / static_cast<float>(count);
 }
 
-// Points the samples at the patches around the views. Views keep their index.
-int PlaceSamples(const PreparedRaw& raw,
-                 const LensTable& lenses,
-                 const MicroLensGrid& grid,
-                 const LensView* views,
-                 int count,
-                 float w,
-                 Samples* samples) {
+// The views that are compared: of at most `max_count` lenses of types that `match` uses.
+int SelectViews(
+    const LensTable& lenses, const DefocusMatch& match, int max_count, int count, LensView* views) {
+  int selected = 0;
+  for (int k = 0; k < count && selected < max_count; ++k) {
+    if (match.Uses(lenses.lenses()[views[k].lens].type)) views[selected++] = views[k];
+  }
+  return selected;
+}
+
+}  // namespace
+
+// Points the samples at the patches around the views.
+void DepthEstimator::PlaceSamples(const PreparedRaw& raw,
+                                  const DefocusMatch& match,
+                                  const LensView* views,
+                                  int count,
+                                  PatchSample* samples) const {
   const int stride = raw.smooth.width();
   for (int k = 0; k < count; ++k) {
     const LensView& view = views[k];
+    const Lens& lens = lenses_.lenses()[view.lens];
     const int x0 = static_cast<int>(view.x);
     const int y0 = static_cast<int>(view.y);
     const std::ptrdiff_t start =
         static_cast<std::ptrdiff_t>(y0 - kPatchRadius) * stride + x0 - kPatchRadius;
-    const Lens& lens = lenses.lenses()[view.lens];
-    (*samples)[k] = {raw.smooth.data() + start,
-                     raw.lens_colour.data() + start,
-                     view.x - static_cast<float>(x0),
-                     view.y - static_cast<float>(y0),
-                     view.dx,
-                     view.dy,
-                     static_cast<float>(lens.colour + 1),
-                     TypeSharpness(grid, lens.type, w)};
+    const float blend = match.Blend(lens.type);
+    samples[k] = {raw.smooth.data() + start,
+                  blend > 0 ? raw.smoother.data() + start : nullptr,
+                  blend,
+                  (blend > 0 ? raw.lens_colour_smoother : raw.lens_colour).data() + start,
+                  view.x - static_cast<float>(x0),
+                  view.y - static_cast<float>(y0),
+                  view.dx,
+                  view.dy,
+                  static_cast<float>(lens.colour + 1)};
   }
-  return count;
 }
-
-}  // namespace
 
 bool DepthOptions::IsValid(std::string* error) const {
   if (!(min_inverse_virtual_depth > 0 && min_inverse_virtual_depth < max_inverse_virtual_depth &&
@@ -98,7 +137,6 @@ DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
       scale_(camera.focused_scale),
       lenses_(lenses),
       options_(options),
-      grid_(*camera.micro_lens_grid),
       block_width_((camera.raw_width + kBlock - 1) / kBlock),
       seed_width_((width_ + options.seed_spacing - 1) / options.seed_spacing),
       seed_height_((height_ + options.seed_spacing - 1) / options.seed_spacing) {
@@ -157,27 +195,31 @@ DepthEstimator::Estimated DepthEstimator::Refine(
     const PreparedRaw& raw, float X, float Y, float w, int iterations) const {
   LensView views[LensTable::kMaxViews];
   Samples samples;
-  const float radius = lenses_.radius_px() - 1;
   const float noise = static_cast<float>(noise_) * kSmoothNoise;
-  const int count = std::min(lenses_.ViewsOf(X, Y, w, radius, kMargin, views), kMaxRefined);
+  const DefocusMatch match(lenses_, w);
+  const int seen = lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 1, kMargin, views);
+  const int count = SelectViews(lenses_, match, kMaxRefined, seen, views);
   if (count < 2) return {};
   const float start = w;
   const float max_step = static_cast<float>(options_.search_step);
   PatchSums sums{};
-  for (int iteration = 0; iteration <= iterations; ++iteration) {
-    PlaceSamples(raw, lenses_, grid_, views, count, w, &samples);
+  float cost = 0;
+  for (int iteration = 1;; ++iteration) {
+    PlaceSamples(raw, match, views, count, samples.data());
     sums = SumPatches(samples.data(), count, raw.smooth.width());
     if (!(sums.hessian > 0)) return {};
-    if (iteration == iterations) break;
     const float step = std::clamp(-sums.gradient / sums.hessian, -max_step, max_step);
     w += step;
     if (std::abs(w - start) > 2 * max_step) return {};
+    // What is left after a step as small as this is its quadratic model's.
+    cost = sums.cost + step * (2 * sums.gradient + step * sums.hessian);
+    if (std::abs(step) < kLastStep) break;
+    if (iteration == iterations) return {};
     for (int k = 0; k < count; ++k) {
       views[k].x += step * views[k].dx;
       views[k].y += step * views[k].dy;
       if (!raw.smooth.view().Contains(views[k].x, views[k].y, kMargin)) return {};
     }
-    if (std::abs(step) < 2e-5f) iteration = iterations - 1;
   }
   if (!(w >= options_.min_inverse_virtual_depth && w <= options_.max_inverse_virtual_depth) ||
       sums.freedom < 4) {
@@ -187,7 +229,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   const float noise_hessian = NoiseHessian(samples, count, sums, gray_noise);
   const float hessian = sums.hessian - noise_hessian;
   if (hessian < options_.min_information * noise_hessian) return {};
-  const float residual = std::max(sums.cost, 0.0f) / sums.freedom / (noise * noise);
+  const float residual = std::max(cost, 0.0f) / sums.freedom / (noise * noise);
   const float variance = std::max(residual, 1.0f) * noise * noise / hessian;
   const float factor = static_cast<float>(options_.noise_factor);
   const float floor = static_cast<float>(options_.sigma_floor);
@@ -229,17 +271,22 @@ DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X
   for (int h = 0; h < count_w; ++h) {
     const float w = min_w + step * static_cast<float>(h);
     cost[h] = 1e30f;
-    const int count =
-        std::min(lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 2, kMargin, views), kMaxSearched);
+    const DefocusMatch match(lenses_, w);
+    const int seen = lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 2, kMargin, views);
+    const int count = SelectViews(lenses_, match, kMaxSearched, seen, views);
     if (count < 2) continue;
-    PlaceSamples(raw, lenses_, grid_, views, count, w, &samples);
-    const PatchSums sums = SumPatches(samples.data(), count, raw.smooth.width());
+    PlaceSamples(raw, match, views, count, samples.data());
+    const PatchSums sums = SumPatchCosts(samples.data(), count, raw.smooth.width());
     if (sums.freedom < 4) continue;
     cost[h] = sums.cost / sums.freedom;
     freedom[h] = sums.freedom;
     if (best < 0 || cost[h] < cost[best]) best = h;
   }
-  if (best < 0) return {};
+  // Fewer lenses see a point the larger its 1/v: a minimum must be bracketed, or the best one may
+  // lie where there is nothing to compare.
+  if (best <= 0 || best + 1 >= count_w || cost[best - 1] > 1e29f || cost[best + 1] > 1e29f) {
+    return {};
+  }
   // A second minimum nearly as low, away from the first, makes the match ambiguous.
   const float scale = std::max(cost[best], noise * noise);
   const float ambiguity = static_cast<float>(options_.ambiguity);
@@ -247,7 +294,7 @@ DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X
     if (std::abs(h - best) <= 2 || cost[h] > 1e29f) continue;
     if (freedom[h] * (cost[h] - cost[best]) < ambiguity * scale) return {};
   }
-  return Refine(raw, X, Y, min_w + step * static_cast<float>(best), 4);
+  return Refine(raw, X, Y, min_w + step * static_cast<float>(best), 6);
 }
 
 DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw,
@@ -275,9 +322,9 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
     }
     if (!first) return {};
   }
-  Estimated result = Refine(raw, X, Y, first->w, 2);
+  Estimated result = Refine(raw, X, Y, first->w, 3);
   if (second) {
-    const Estimated other = Refine(raw, X, Y, second->w, 2);
+    const Estimated other = Refine(raw, X, Y, second->w, 3);
     if (other.w > 0 && (result.w == 0 || other.residual < result.residual)) result = other;
   }
   return result;

@@ -13,6 +13,8 @@
 namespace prism {
 namespace {
 
+// Diameter of a micro lens over the pitch, as usual for arrays with a dark border between lenses.
+constexpr float kMicroLensFill = 0.9f;
 constexpr int kOffsetReach = 6;  // lattice steps; v radius beyond that exceeds kMaxViews
 
 Lens MakeLens(const PlenopticCamera& camera, const LensIndex& index) {
@@ -36,6 +38,8 @@ Lens MakeLens(const PlenopticCamera& camera, const LensIndex& index) {
   result.ayx = static_cast<float>(ax.y());
   result.axy = static_cast<float>(ay.x());
   result.ayy = static_cast<float>(ay.y());
+  result.i = index.i;
+  result.j = index.j;
   result.type = grid.TypeOf(index);
   const int sign = grid.base_x.dot(grid.base_y) > 0 ? -1 : 1;
   result.colour = ((index.i + sign * index.j) % 3 + 3) % 3;
@@ -50,7 +54,9 @@ LensTable::LensTable(const PlenopticCamera& camera)
   const MicroLensGrid& grid = *camera.micro_lens_grid;
   pitch_px_ = static_cast<float>(grid.diameter_px);
   radius_px_ = static_cast<float>(0.5 * grid.diameter_px - grid.lens_border_px);
-  num_types_ = static_cast<int>(grid.types.size());
+  for (const MicroLensType& type : grid.types) {
+    focus_of_type_.push_back(static_cast<float>(type.FocusInverseVirtualDepth()));
+  }
   principal_x_ = static_cast<float>(camera.raw_principal_point.x());
   principal_y_ = static_cast<float>(camera.raw_principal_point.y());
   eq8_scale_ =
@@ -99,9 +105,19 @@ LensTable::LensTable(const PlenopticCamera& camera)
       if (length < 0.87f * kOffsetReach * pitch_px_) offsets_.push_back({di, dj, length});
     }
   }
-  std::stable_sort(offsets_.begin(), offsets_.end(), [](const Offset& a, const Offset& b) {
-    return a.length_px < b.length_px;
-  });
+  const auto ByLength = [](const Offset& a, const Offset& b) { return a.length_px < b.length_px; };
+  std::stable_sort(offsets_.begin(), offsets_.end(), ByLength);
+  for (int row = 0; row < kCells; ++row) {
+    for (int column = 0; column < kCells; ++column) {
+      const Eigen::Vector2d center((column + 0.5) / kCells, (row + 0.5) / kCells);
+      std::vector<Offset>& cell = cell_offsets_[row][column];
+      for (const Offset& offset : offsets_) {
+        const Eigen::Vector2d from_center = Eigen::Vector2d(offset.di, offset.dj) - center;
+        cell.push_back({offset.di, offset.dj, static_cast<float>((basis * from_center).norm())});
+      }
+      std::stable_sort(cell.begin(), cell.end(), ByLength);
+    }
+  }
   BuildColourMask();
 }
 
@@ -123,10 +139,31 @@ void LensTable::BuildColourMask() {
   }
 }
 
+bool LensTable::HasSeveralFocalLengths() const {
+  return std::any_of(focus_of_type_.begin(), focus_of_type_.end(), [this](float focus) {
+    return focus != focus_of_type_[0];
+  });
+}
+
+float LensTable::DefocusVariance() const {
+  const float radius = 0.5f * kMicroLensFill * pitch_px_;
+  return 0.25f * radius * radius;
+}
+
 int LensTable::NearestLens(float x, float y) const {
   const Eigen::Vector2f lattice = lattice_from_px_ * (Eigen::Vector2f(x, y) - origin_);
   return IndexOf(static_cast<int>(std::lround(lattice.x())),
                  static_cast<int>(std::lround(lattice.y())));
+}
+
+std::vector<int> LensTable::NeighboursOf(int lens, float max_baseline_px) const {
+  std::vector<int> neighbours;
+  for (const Offset& offset : offsets_) {
+    if (offset.length_px > max_baseline_px) break;
+    const int index = IndexOf(lenses_[lens].i + offset.di, lenses_[lens].j + offset.dj);
+    if (index >= 0 && index != lens) neighbours.push_back(index);
+  }
+  return neighbours;
 }
 
 int LensTable::ViewsOf(
@@ -136,12 +173,17 @@ int LensTable::ViewsOf(
   const float chief_x = principal_x_ + (X - principal_x_) * to_chief;  // as a c_I
   const float chief_y = principal_y_ + (Y - principal_y_) * to_chief;
   const Eigen::Vector2f lattice = lattice_from_px_ * (Eigen::Vector2f(chief_x, chief_y) - origin_);
-  const int i0 = static_cast<int>(std::floor(lattice.x() + 0.5f));
-  const int j0 = static_cast<int>(std::floor(lattice.y() + 0.5f));
-  const float reach = max_radius_px / (slope * eq8_scale_) + 0.87f * pitch_px_;
+  const float u = std::floor(lattice.x());
+  const float v = std::floor(lattice.y());
+  const int i0 = static_cast<int>(u);
+  const int j0 = static_cast<int>(v);
+  const int column = std::min(static_cast<int>((lattice.x() - u) * kCells), kCells - 1);
+  const int row = std::min(static_cast<int>((lattice.y() - v) * kCells), kCells - 1);
+  // Half the longer diagonal of a part of the cell, and a pixel for distortion.
+  const float reach = max_radius_px / (slope * eq8_scale_) + 0.87f / kCells * pitch_px_ + 1;
   const float max_squared = max_radius_px * max_radius_px;
   int count = 0;
-  for (const Offset& offset : offsets_) {
+  for (const Offset& offset : cell_offsets_[row][column]) {
     if (offset.length_px > reach || count == kMaxViews) break;
     const int index = IndexOf(i0 + offset.di, j0 + offset.dj);
     if (index < 0) continue;

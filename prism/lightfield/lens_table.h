@@ -20,6 +20,7 @@ struct Lens {
   float axx, axy, ayx, ayy;  // Jacobian of the distortion at the centre
   int type;                  // index into MicroLensGrid::types
   int colour;                // 0, 1, 2; differs between neighbours
+  int i, j;                  // on the lattice (LensIndex)
 };
 
 // A virtual point as one lens sees it.
@@ -49,13 +50,22 @@ class LensTable {
   int height() const { return height_; }
   float radius_px() const { return radius_px_; }  // of a micro image without its dark rim
   float pitch_px() const { return pitch_px_; }
-  int num_types() const { return num_types_; }
+  // 1/v that each lens type is focused on.
+  const std::vector<float>& focus_of_type() const { return focus_of_type_; }
+  bool HasSeveralFocalLengths() const;
+
+  // Variance in x and in y of the spot of a point out of focus by 1 in 1/v, px^2: a quarter of the
+  // squared radius of a micro lens.
+  float DefocusVariance() const;
 
   // Colour + 1 of the lens whose micro image holds the pixel, 0 in the gaps between them.
   const Image<uint8_t>& colour_mask() const { return colour_mask_; }
 
   // Index of the lens nearest to a point on the chief-ray lattice, -1 outside the array.
   int NearestLens(float x_raw_px, float y_raw_px) const;
+
+  // Indices of the other lenses within a baseline of at most 6 pitches, nearest first.
+  std::vector<int> NeighboursOf(int lens, float max_baseline_px) const;
 
   // The lenses that see the virtual point (X, Y, 1/v = w) within `max_radius_px` of their
   // micro-image centres and `margin_px` inside the image, from the chief ray outwards, at most
@@ -68,6 +78,7 @@ class LensTable {
     int di, dj;
     float length_px;
   };
+  static constexpr int kCells = 8;  // a side of the lattice cell, for lists of lenses by distance
 
   int IndexOf(int i, int j) const {
     if (i < min_i_ || j < min_j_ || i >= min_i_ + size_i_ || j >= min_j_ + size_j_) return -1;
@@ -77,7 +88,7 @@ class LensTable {
 
   int width_, height_;
   float radius_px_, pitch_px_;
-  int num_types_;
+  std::vector<float> focus_of_type_;
   float principal_x_, principal_y_;
   float eq8_scale_;         // k: c_ML - c = k (c_I - c)
   Eigen::Vector2f origin_;  // c_I of lens (0, 0)
@@ -85,7 +96,10 @@ class LensTable {
   int min_i_ = 0, min_j_ = 0, size_i_ = 0, size_j_ = 0;
   std::vector<int> index_;  // of lens (i, j), -1 if there is none
   std::vector<Lens> lenses_;
-  std::vector<Offset> offsets_;  // by length
+  std::vector<Offset> offsets_;  // from a lens, by length
+  // From the lens (floor(u), floor(v)) to those around the centre of each part of the cell (u, v)
+  // of the lattice, by distance from it.
+  std::vector<Offset> cell_offsets_[kCells][kCells];
   Image<uint8_t> colour_mask_;
 };
 

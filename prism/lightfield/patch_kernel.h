@@ -9,21 +9,28 @@ namespace prism {
 inline constexpr int kPatchRadius = 3;  // px of the raw image: patches of 7 x 7
 inline constexpr int kPatchLanes = 8;   // a patch row as it is loaded; the last lane has weight 0
 
-// One lens' sight of a patch: `image` and `colours` point at the top-left of the 2 x 2 pixels that
-// surround the patch's top-left sample, which lies (fx, fy) in [0, 1) from it.
+// Weights of the rows and columns of a patch: exp(-d^2 / (2 sigma^2)) of the distance from its
+// centre.
+inline constexpr float kPatchSigma = 2;  // px
+alignas(64) inline constexpr float kPatchWeights[kPatchLanes] = {
+    0.32465247f, 0.60653066f, 0.88249690f, 1.0f, 0.88249690f, 0.60653066f, 0.32465247f, 0.0f};
+
+// One lens' sight of a patch: the images and `colours` point at the top-left of the 2 x 2 pixels
+// that surround the patch's top-left sample, which lies (fx, fy) in [0, 1) from it.
 struct PatchSample {
   const float* image;
+  const float* blurred;  // read where blend > 0
+  float blend;           // values are image + blend (blurred - image)
   const float* colours;
   float fx, fy;
   float dx, dy;  // motion of the patch per unit of 1/v, px
   float colour;  // samples whose colour differs are left out
-  float weight;  // of this lens, > 0
 };
 
-// Sums over the samples s of a patch and the lenses k that see it, with patch weight p_s, lens
-// weight q_k, value I_ks, derivative g_ks = dI_ks / d(1/v), means over the lenses I_s and g_s:
-//   cost     = sum p q (I - I_s)^2     gradient = sum p q (g - g_s)(I - I_s)
-//   hessian  = sum p q (g - g_s)^2     freedom  = sum p q - sum_s p_s max_k q_k
+// Sums over the samples s of a patch and the n_s lenses k that see it, with patch weight p_s, value
+// I_ks, derivative g_ks = dI_ks / d(1/v), means over the lenses I_s and g_s:
+//   cost     = sum p (I - I_s)^2     gradient = sum p (g - g_s)(I - I_s)
+//   hessian  = sum p (g - g_s)^2     freedom  = sum_s p_s (n_s - 1), n_s > 0
 // minimised over 1/v by the step -gradient / hessian. A common brightness change of the patch
 // cancels only between lenses, not within; each sample has its own mean.
 struct PatchSums {
@@ -36,6 +43,9 @@ struct PatchSums {
 // Vectorised, best instruction set at run time. Precondition: every row of every patch has
 // kPatchLanes + 1 readable pixels, and there are 2 * kPatchRadius + 2 rows.
 PatchSums SumPatches(const PatchSample* samples, int count, std::ptrdiff_t stride);
+
+// The same without gradient and hessian, which are 0.
+PatchSums SumPatchCosts(const PatchSample* samples, int count, std::ptrdiff_t stride);
 
 // The same in plain C++; the oracle of the test.
 PatchSums SumPatchesReference(const PatchSample* samples, int count, std::ptrdiff_t stride);

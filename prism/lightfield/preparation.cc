@@ -51,24 +51,21 @@ float InterpolateCubic(const ImageF& image, float x, float y) {
   return sum;
 }
 
-// Mean over a lens and its neighbours at the same offset from the micro-image centre.
+// Mean over a lens and its nearest neighbours of the same type at the same offset from the
+// micro-image centre. Types differ in the width of their penumbra.
 ImageF AverageOverNeighbours(const LensTable& lenses, const ImageF& white) {
   ImageF mean(white.width(), white.height(), 0);
   const int reach = static_cast<int>(std::ceil(lenses.radius_px()));
-  const float pitch = lenses.pitch_px();
   const int lens_count = static_cast<int>(lenses.lenses().size());
+  constexpr float kReach = 1.8f;  // pitches; with three types the nearest alike are 1.73 away
+  constexpr size_t kAveraged = 7;
   tbb::parallel_for(0, lens_count, [&](int l) {
     const Lens& lens = lenses.lenses()[l];
-    std::vector<const Lens*> around;
-    for (int k = -1; k < 6; ++k) {
-      const float angle = static_cast<float>(k * M_PI / 3 + M_PI / 12);
-      const float r = k < 0 ? 0 : pitch;
-      // Two probes a direction suit both orientations of a hexagonal lattice within rounding.
-      const int index = lenses.NearestLens(lens.image_x + r * std::cos(angle),
-                                           lens.image_y + r * std::sin(angle));
-      if (index < 0) continue;
-      const Lens* other = &lenses.lenses()[index];
-      if (std::find(around.begin(), around.end(), other) == around.end()) around.push_back(other);
+    std::vector<const Lens*> alike = {&lens};
+    for (const int other : lenses.NeighboursOf(l, kReach * lenses.pitch_px())) {
+      if (lenses.lenses()[other].type == lens.type && alike.size() < kAveraged) {
+        alike.push_back(&lenses.lenses()[other]);
+      }
     }
     const int x0 = static_cast<int>(std::lround(lens.image_x));
     const int y0 = static_cast<int>(std::lround(lens.image_y));
@@ -77,7 +74,7 @@ ImageF AverageOverNeighbours(const LensTable& lenses, const ImageF& white) {
         if (lenses.colour_mask()(x, y) != lens.colour + 1) continue;
         float sum = 0;
         int count = 0;
-        for (const Lens* other : around) {
+        for (const Lens* other : alike) {
           const float u = x - lens.image_x + other->image_x;
           const float v = y - lens.image_y + other->image_y;
           if (!white.view().Contains(u, v, 2)) continue;
@@ -89,6 +86,61 @@ ImageF AverageOverNeighbours(const LensTable& lenses, const ImageF& white) {
     }
   });
   return mean;
+}
+
+// Calls visit(x, y) for the pixels of a micro image.
+template <typename Visit>
+void ForEachPixel(const LensTable& lenses, const Lens& lens, const Visit& visit) {
+  const int reach = static_cast<int>(std::ceil(lenses.radius_px()));
+  const int x0 = static_cast<int>(std::lround(lens.image_x));
+  const int y0 = static_cast<int>(std::lround(lens.image_y));
+  for (int y = std::max(y0 - reach, 0); y <= std::min(y0 + reach, lenses.height() - 1); ++y) {
+    for (int x = std::max(x0 - reach, 0); x <= std::min(x0 + reach, lenses.width() - 1); ++x) {
+      if (lenses.colour_mask()(x, y) == lens.colour + 1) visit(x, y);
+    }
+  }
+}
+
+// The value that `share` of all values are below.
+float Percentile(double share, std::vector<float>* values) {
+  const auto nth = values->begin() +
+                   static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
+  std::nth_element(values->begin(), nth, values->end());
+  return *nth;
+}
+
+// The (1 2 1) x (1 2 1) / 16 filter on the rows from y - 1 to y + 1, and where all nine pixels
+// belong to one micro image.
+void FilterRow(
+    const ImageF& image, const Image<uint8_t>& good, int y, float* smooth, uint8_t* filtered) {
+  const int width = image.width();
+  const int height = image.height();
+  const int up = std::max(y - 1, 0);
+  const int down = std::min(y + 1, height - 1);
+  const float *above = image.row(up), *here = image.row(y), *below = image.row(down);
+  const uint8_t *c_above = good.row(up), *c = good.row(y), *c_below = good.row(down);
+  smooth[0] = here[0];
+  smooth[width - 1] = here[width - 1];
+  for (int x = 1; x < width - 1; ++x) {
+    smooth[x] = (above[x - 1] + above[x + 1] + below[x - 1] + below[x + 1] +
+                 2 * (above[x] + below[x] + here[x - 1] + here[x + 1]) + 4 * here[x]) *
+                (1.0f / 16);
+    // No branches: the loop is vectorised.
+    const int differs = (c[x - 1] ^ c[x]) | (c[x + 1] ^ c[x]) | (c_above[x - 1] ^ c[x]) |
+                        (c_above[x] ^ c[x]) | (c_above[x + 1] ^ c[x]) | (c_below[x - 1] ^ c[x]) |
+                        (c_below[x] ^ c[x]) | (c_below[x + 1] ^ c[x]);
+    filtered[x] = differs == 0 ? c[x] : uint8_t{0};
+  }
+}
+
+// Where bilinear interpolation in [x, x+1] x [y, y+1] uses pixels of one micro image.
+void CellColourRow(const Image<uint8_t>& good, int y, float* colour) {
+  const uint8_t *here = good.row(y), *below = good.row(y + 1);
+  for (int x = 0; x < good.width() - 1; ++x) {
+    const int c = here[x];
+    const int differs = (here[x + 1] ^ c) | (below[x] ^ c) | (below[x + 1] ^ c);
+    colour[x] = differs == 0 ? static_cast<float>(c) : 0.0f;
+  }
 }
 
 }  // namespace
@@ -111,32 +163,39 @@ RawPreparation::RawPreparation(const LensTable& lenses,
     : lenses_(lenses), options_(options) {
   const int width = lenses.width();
   const int height = lenses.height();
-  gain_ = ImageF(width, height, 0);
   good_ = Image<uint8_t>(width, height, 0);
   filtered_ = Image<uint8_t>(width, height, 0);
-  ImageF mean;
-  float bright = 1;
-  if (!white.empty()) {
-    ImageF gray(width, height);
-    ToGray(white, &gray);
-    mean = AverageOverNeighbours(lenses, gray);
-    std::vector<float> values(mean.data(), mean.data() + mean.size());
-    auto nth =
-        values.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(values.size()));
-    std::nth_element(values.begin(), nth, values.end());
-    bright = std::max(*nth, 1e-3f);
-  }
-  const float darkest = static_cast<float>(options.min_relative_white) * bright;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (lenses.colour_mask()(x, y) == 0) continue;
-      if (white.empty()) {
-        gain_(x, y) = 1;
-      } else if (mean(x, y) >= darkest) {
-        gain_(x, y) = bright / mean(x, y);
-      }
+  if (lenses.HasSeveralFocalLengths()) filtered_twice_ = Image<uint8_t>(width, height, 0);
+  gain_ = ImageF(width, height, 0);
+  if (white.empty()) {
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) gain_(x, y) = lenses.colour_mask()(x, y) != 0 ? 1.0f : 0.0f;
     }
+    return;
   }
+  ImageF gray(width, height);
+  ToGray(white, &gray);
+  MeasureVignetting(AverageOverNeighbours(lenses, gray));
+}
+
+void RawPreparation::MeasureVignetting(const ImageF& white) {
+  constexpr double kBright = 0.99;    // share of all pixels that are darker than the bright level
+  constexpr double kUnshaded = 0.9;   // the same within a micro image
+  constexpr float kDarkLens = 0.05f;  // of the bright level: outside the main lens' image circle
+  std::vector<float> all(white.data(), white.data() + white.size());
+  const float bright = std::max(Percentile(kBright, &all), 1e-3f);
+  const float most_shaded = static_cast<float>(options_.min_relative_white);
+  tbb::parallel_for(size_t{0}, lenses_.lenses().size(), [&](size_t l) {
+    const Lens& lens = lenses_.lenses()[l];
+    std::vector<float> values;
+    ForEachPixel(lenses_, lens, [&](int x, int y) { values.push_back(white(x, y)); });
+    if (values.empty()) return;
+    const float level = Percentile(kUnshaded, &values);
+    if (level < kDarkLens * bright) return;
+    ForEachPixel(lenses_, lens, [&](int x, int y) {
+      if (white(x, y) >= most_shaded * level) gain_(x, y) = bright / white(x, y);
+    });
+  });
 }
 
 void RawPreparation::ToGray(const cv::Mat& raw, ImageF* gray) {
@@ -162,6 +221,10 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     prepared->gray = ImageF(width, height);
     prepared->smooth = ImageF(width, height);
     prepared->lens_colour = ImageF(width, height, 0);
+    if (lenses_.HasSeveralFocalLengths()) {
+      prepared->smoother = ImageF(width, height);
+      prepared->lens_colour_smoother = ImageF(width, height, 0);
+    }
   }
   ToGray(raw, &prepared->gray);
   const float saturation = static_cast<float>(options_.saturation);
@@ -177,36 +240,16 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     }
   });
   tbb::parallel_for(0, height, [&](int y) {
-    const uint8_t* above = good_.row(std::max(y - 1, 0));
-    const uint8_t* here = good_.row(y);
-    const uint8_t* below = good_.row(std::min(y + 1, height - 1));
-    const float* g_above = prepared->gray.row(std::max(y - 1, 0));
-    const float* g = prepared->gray.row(y);
-    const float* g_below = prepared->gray.row(std::min(y + 1, height - 1));
-    float* smooth = prepared->smooth.row(y);
-    uint8_t* filtered_row = filtered_.row(y);
-    smooth[0] = g[0];
-    smooth[width - 1] = g[width - 1];
-    for (int x = 1; x < width - 1; ++x) {
-      const uint8_t c = here[x];
-      smooth[x] = (g_above[x - 1] + g_above[x + 1] + g_below[x - 1] + g_below[x + 1] +
-                   2 * (g_above[x] + g_below[x] + g[x - 1] + g[x + 1]) + 4 * g[x]) *
-                  (1.0f / 16);
-      const bool whole = here[x - 1] == c && here[x + 1] == c && above[x - 1] == c &&
-                         above[x] == c && above[x + 1] == c && below[x - 1] == c && below[x] == c &&
-                         below[x + 1] == c;
-      filtered_row[x] = whole ? c : uint8_t{0};
-    }
+    FilterRow(prepared->gray, good_, y, prepared->smooth.row(y), filtered_.row(y));
+  });
+  tbb::parallel_for(
+      0, height - 1, [&](int y) { CellColourRow(filtered_, y, prepared->lens_colour.row(y)); });
+  if (!lenses_.HasSeveralFocalLengths()) return;
+  tbb::parallel_for(0, height, [&](int y) {
+    FilterRow(prepared->smooth, filtered_, y, prepared->smoother.row(y), filtered_twice_.row(y));
   });
   tbb::parallel_for(0, height - 1, [&](int y) {
-    const uint8_t* here = filtered_.row(y);
-    const uint8_t* below = filtered_.row(y + 1);
-    float* lens_colour = prepared->lens_colour.row(y);
-    for (int x = 0; x < width - 1; ++x) {
-      const uint8_t c = here[x];
-      const bool cell = here[x + 1] == c && below[x] == c && below[x + 1] == c;
-      lens_colour[x] = cell ? static_cast<float>(c) : 0.0f;
-    }
+    CellColourRow(filtered_twice_, y, prepared->lens_colour_smoother.row(y));
   });
 }
 

@@ -17,9 +17,9 @@ enum class RawPixels { kGray, kBayerRggb, kBayerBggr, kBayerGrbg, kBayerGbrg };
 
 struct PreparationOptions {
   RawPixels pixels = RawPixels::kGray;
-  double min_relative_white =
-      0.75;                 // darker than this share of the white image's bright level: masked
-  double saturation = 250;  // 0 to 255; brighter raw pixels are masked
+  double min_relative_white = 0.75;  // darker in the white image than this share of what its micro
+                                     // image is at the brightest: masked
+  double saturation = 250;           // 0 to 255; brighter raw pixels are masked
 
   bool IsValid(std::string* error) const;
 };
@@ -33,14 +33,21 @@ struct PreparedRaw {
   // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
   // would shift the image inwards and bias the depth.
   ImageF lens_colour;
+  // For arrays of several focal lengths, else empty: `smooth` under the same filter once more, and
+  // where it is good. Blending towards it blurs a sharp lens as defocus blurs another.
+  ImageF smoother;
+  ImageF lens_colour_smoother;
 };
+
+// Variance added by one more pass of the filter of PreparedRaw::smooth, px^2 in x and in y.
+inline constexpr float kFilterVariance = 0.5f;
 
 // Demosaicing, conversion to gray, vignetting, masks.
 //
-// The white image is averaged over each lens and its six neighbours at the same place in the micro
-// image, which takes its noise away and keeps the vignetting; the gain is its bright level (the
-// 99th percentile) over that mean. Pixels that are dark in the white image or saturated in the
-// frame are masked and not amplified.
+// The white image is averaged over each lens and its nearest neighbours of the same type at the
+// same place in the micro image, which takes its noise away and keeps the vignetting; the gain is
+// its bright level (the 99th percentile) over that mean. Pixels that are dark in the white image,
+// beside the rest of their micro image, or saturated in the frame are masked and not amplified.
 class RawPreparation {
  public:
   // `white` may be empty (frames corrected already): gain 1. Else it has the size of the camera's
@@ -52,13 +59,15 @@ class RawPreparation {
 
  private:
   void ToGray(const cv::Mat& raw, ImageF* gray);
+  void MeasureVignetting(const ImageF& white);
 
   const LensTable& lenses_;
   PreparationOptions options_;
   ImageF gain_;  // 0: masked
   cv::Mat demosaiced_, one_channel_;
   Image<uint8_t> good_;
-  Image<uint8_t> filtered_;  // good_ with all eight neighbours in the same micro image
+  Image<uint8_t> filtered_;        // good_ with all eight neighbours in the same micro image
+  Image<uint8_t> filtered_twice_;  // the same of filtered_
 };
 
 }  // namespace prism

@@ -16,7 +16,9 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
   constexpr int kStride = 40;
   std::mt19937_64 generator = SeededGenerator(3, 0);
   std::uniform_real_distribution<float> uniform(0, 1);
-  std::vector<float> image(kStride * kStride), colours(kStride * kStride);
+  std::vector<float> image(kStride * kStride), blurred(kStride * kStride);
+  std::vector<float> colours(kStride * kStride);
+  for (float& value : blurred) value = 255 * uniform(generator);
   for (float& value : image) value = 255 * uniform(generator);
   for (float& colour : colours) colour = uniform(generator) < 0.8f ? 2.0f : 0.0f;
   for (int count = 2; count <= 6; ++count) {
@@ -24,13 +26,14 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
     for (int k = 0; k < count; ++k) {
       const int start = (2 + 3 * k) * kStride + 1 + 4 * k;
       samples.push_back({image.data() + start,
+                         blurred.data() + start,
+                         k % 2 == 0 ? 0.0f : uniform(generator),
                          colours.data() + start,
                          uniform(generator),
                          uniform(generator),
                          40 * uniform(generator) - 20,
                          40 * uniform(generator) - 20,
-                         2,
-                         0.1f + uniform(generator)});
+                         2});
     }
     const PatchSums sums = SumPatches(samples.data(), count, kStride);
     const PatchSums reference = SumPatchesReference(samples.data(), count, kStride);
@@ -38,6 +41,9 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
     EXPECT_NEAR(sums.hessian, reference.hessian, 1e-4 * reference.hessian);
     EXPECT_NEAR(sums.gradient, reference.gradient, 1e-4 * reference.hessian);
     EXPECT_NEAR(sums.freedom, reference.freedom, 1e-4 * reference.freedom);
+    const PatchSums costs = SumPatchCosts(samples.data(), count, kStride);
+    EXPECT_FLOAT_EQ(costs.cost, sums.cost);
+    EXPECT_FLOAT_EQ(costs.freedom, sums.freedom);
   }
 }
 
@@ -45,7 +51,7 @@ TEST(PatchKernel, EqualPatchesCostNothing) {
   constexpr int kStride = 20;
   std::vector<float> image(kStride * kStride), colours(kStride * kStride, 1);
   for (size_t i = 0; i < image.size(); ++i) image[i] = static_cast<float>(i % kStride);
-  const PatchSample sample{image.data(), colours.data(), 0.25f, 0.5f, 3, 0, 1, 1};
+  const PatchSample sample{image.data(), nullptr, 0, colours.data(), 0.25f, 0.5f, 3, 0, 1};
   PatchSample other = sample;
   other.dx = -3;
   const PatchSample samples[] = {sample, other};
