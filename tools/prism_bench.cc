@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -213,8 +214,15 @@ ExitStatus Run() {
   if (!FLAGS_baseline.empty()) {
     baseline = ReadResults((fs::path(FLAGS_baseline) / "results.jsonl").string());
   }
-  Summarize(RunJobs(suite, jobs, EvaluateExternals(suite)), baseline);
-  return kExitDone;
+  const std::vector<BenchResult> results = RunJobs(suite, jobs, EvaluateExternals(suite));
+  Summarize(results, baseline);
+  const bool any_done = std::any_of(results.begin(), results.end(), [](const BenchResult& result) {
+    return result["status"] == "done";
+  });
+  if (any_done) return kExitDone;
+  std::cerr << "prism_bench: " << FLAGS_suite << ": found no run that succeeded, expected one (see "
+            << FolderOf(jobs.front()) << "/log.txt)" << std::endl;
+  return kExitRunFailed;
 }
 
 }  // namespace

@@ -178,6 +178,13 @@ TEST_F(PrismBenchTest, TrajectoriesOfOtherSystemsJoinTablesAndPlots) {
   EXPECT_FALSE(fs::exists(Path("out/runs/calls"))) << "it is said before anything runs";
 }
 
+TEST_F(PrismBenchTest, ASuiteWithoutASingleSuccessHasFailed) {
+  Write("suite.yaml", kSuiteOfOne + "seeds: [3]\n");
+  const ProgramResult run = RunBench("");
+  EXPECT_EQ(run.exit_status, 1);
+  EXPECT_THAT(run.output, HasSubstr("runs/kitchen/good/3/log.txt"));
+}
+
 TEST_F(PrismBenchTest, ListsItsJobsByNumber) {
   const ProgramResult run = RunBench("--list_jobs");
   EXPECT_EQ(run.exit_status, 0);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -114,6 +115,39 @@ TEST_F(PrismEvalTest, BadInputIsStatusTwoWithOneLine) {
   EXPECT_EQ(RunProgram(with_truth + " --estimate=" + truth + " --no_such_flag").exit_status, 2);
   EXPECT_EQ(RunProgram(with_truth + " --estimate=" + truth + " --label=a,b").exit_status, 2);
   EXPECT_EQ(RunProgram("prism_eval --help").exit_status, 0);
+}
+
+TEST_F(PrismEvalTest, BadTrajectoriesAreRefusedWithFileFoundAndExpected) {
+  const std::string truth = Write("truth.txt", Circle(300, 1.0));
+  const std::string line = "1 0 0 0 0 0 0 1\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {line + line, "line 2: found the time of the pose before, expected times that increase"},
+      {line + "0 0 0 0 0 0 0 1\n", "line 2: found a time before the previous one, expected"},
+      {line + "2 0 nan 0 0 0 0 1\n", "line 2: found 'nan', expected"},
+      {line + "2 0 0 0 0 0 0 1.2\n", "line 2: found a quaternion of norm 1.2"}};
+  for (const auto& [contents, message] : cases) {
+    WriteTextAtomically(Path("bad.txt"), contents);
+    for (const std::string& files : {"--groundtruth=" + truth + " --estimate=" + Path("bad.txt"),
+                                     "--groundtruth=" + Path("bad.txt") + " --estimate=" + truth}) {
+      const ProgramResult run = RunProgram("prism_eval " + files + " --json=" + Path("m.json"));
+      EXPECT_EQ(run.exit_status, 2) << run.output;
+      EXPECT_THAT(run.output, HasSubstr("bad.txt, " + message));
+      EXPECT_FALSE(fs::exists(Path("m.json")));
+    }
+  }
+}
+
+TEST_F(PrismEvalTest, QuaternionsNearUnitAreNormalisedWithAWarning) {
+  std::string text = FormatTrajectory(Circle(300, 1.0));
+  const std::string truth = Write("truth.txt", Circle(300, 1.0));
+  text.replace(text.find(" 0 0 0 1\n"), 8, " 0 0 0 1.02");
+  WriteTextAtomically(Path("near.txt"), text);
+  const ProgramResult run =
+      RunProgram("prism_eval --groundtruth=" + truth + " --estimate=" + Path("near.txt") +
+                 " --json=" + Path("m.json"));
+  EXPECT_EQ(run.exit_status, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("near.txt: 1 rotations were not unit (by up to 0.02)"));
+  EXPECT_NEAR(nlohmann::json::parse(ReadTextFile(Path("m.json")))["ate_rmse_m"], 0, 1e-8);
 }
 
 TEST_F(PrismEvalTest, EvaluatesAndPlotsAHundredThousandPosesInTwoSeconds) {
