@@ -137,7 +137,8 @@ CameraMotion ReadMotion(SimPath path) {
 std::string Description() {
   std::ostringstream text;
   for (const auto& [name, value] : EffectiveOptions()) {
-    if (name != "output_dir" && name != "replace" && name != "threads") text << "--" << name << "=" << value << "\n";
+    if (name != "output_dir" && name != "replace" && name != "threads")
+      text << "--" << name << "=" << value << "\n";
   }
   return text.str();
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/report/live_view.h"
 
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -214,6 +215,11 @@ std::unique_ptr<LiveView> LiveView::Start(const std::string& address,
   Server* const s = server.get();
   s->page = FormatReport(run, true);
   s->http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+  // The library's default would let two runs share a port, and browsers get now one, now the other.
+  s->http.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
   s->http.Get("/", [s](const httplib::Request&, httplib::Response& response) {
     s->PageAskedFor();
     response.set_content(s->page, "text/html; charset=utf-8");

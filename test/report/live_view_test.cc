@@ -61,7 +61,13 @@ class EventStream {
             return true;
           });
         }) {}
-  ~EventStream() { thread_.join(); }
+  ~EventStream() { Finish(); }
+
+  // The whole of it, once the server has ended it.
+  std::string Finish() {
+    if (thread_.joinable()) thread_.join();
+    return text();
+  }
 
   std::string text() const {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -112,7 +118,7 @@ TEST(LiveView, ServesThePageAndAllEventsToABrowserThatComesLate) {
   ASSERT_TRUE(stream.WaitFor("\"t\":1.0"));
   live->Publish(UpdateWithFrame(2));
   live.reset();
-  const auto events = EventsOf(stream.text());
+  const auto events = EventsOf(stream.Finish());
   ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(events[1]["frames"][0]["t"], 2.0);
 }
@@ -127,7 +133,7 @@ TEST(LiveView, HoldsTheImagesOfTheLatestKeyframesOnly) {
   live->Publish(UpdateWithFrame(count));
   ASSERT_TRUE(stream.WaitFor("\"t\":" + std::to_string(count) + ".0"));
   live.reset();
-  const auto events = EventsOf(stream.text());
+  const auto events = EventsOf(stream.Finish());
   ASSERT_EQ(events.size(), static_cast<size_t>(count) + 1) << "every frame, of old keyframes too";
   for (int i = 0; i < count; ++i) {
     const auto& keyframe = events[static_cast<size_t>(i)]["keyframes"][0];
@@ -174,8 +180,8 @@ TEST(LiveView, ABrokenStreamGoesOnWhereItWas) {
   ASSERT_TRUE(again.WaitFor("\"t\":3.0"));
   ASSERT_TRUE(of_another_run.WaitFor("\"reload\":true"));
   live.reset();
-  EXPECT_EQ(CountOf(again.text(), "\"t\":1.0"), 0u);
-  EXPECT_EQ(CountOf(again.text(), "\"t\":2.0"), 1u);
+  EXPECT_EQ(CountOf(again.Finish(), "\"t\":1.0"), 0u);
+  EXPECT_EQ(CountOf(again.Finish(), "\"t\":2.0"), 1u);
 }
 
 TEST(LiveView, ABrowserThatGoesAwayDoesNotHoldUpTheRun) {
@@ -204,7 +210,7 @@ TEST(LiveView, TheEndBringsWhatOnlyAFinishedRunHas) {
   EventStream stream(port);
   ASSERT_TRUE(stream.WaitFor("\n\n"));
   live.reset();
-  const auto events = EventsOf(stream.text());
+  const auto events = EventsOf(stream.Finish());
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0]["finished"]["wall_seconds"], 3);
   EXPECT_TRUE(events[0]["finished"].contains("cloud"));
@@ -216,7 +222,7 @@ TEST(LiveView, SaysThatAPortIsTaken) {
   const auto live = StartSomewhere(&port);
   ASSERT_NE(live, nullptr);
   std::string error;
-  EXPECT_EQ(LiveView::Start("256.0.0.1", port, {}, &error), nullptr);
+  EXPECT_EQ(LiveView::Start(kAddress, port, {}, &error), nullptr);
   EXPECT_THAT(error, ::testing::HasSubstr("cannot listen"));
 }
 
