@@ -224,9 +224,10 @@ std::string FormatComparison(const std::vector<BenchResult>& results,
 Plot CumulativePlot(const std::vector<BenchResult>& results,
                     const std::string& key,
                     const std::string& label) {
-  Plot plot{"Runs with an error below x", label, "runs", {}, false, true};
+  Plot plot{"Runs with an error below x", label, "runs", {}, false, true, true};
+  const double smallest = key == "e_s" || key == "d_s" ? 1 : 0;  // no error: a factor of 1
   std::vector<std::string> variants;
-  double largest = 0;
+  double largest = smallest;
   for (const BenchResult& result : results) {
     const std::string variant = result["variant"];
     if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
@@ -241,14 +242,14 @@ Plot CumulativePlot(const std::vector<BenchResult>& results,
       if (result["variant"] == variant) values.push_back(MetricOf(result, key));
     }
     std::sort(values.begin(), values.end());
-    PlotSeries series{variant, {}, false};
+    PlotSeries series{variant, {{smallest, 0}}, false};
     double count = 0;
     for (const double value : values) {
       if (!std::isfinite(value)) break;
       series.points.push_back({value, count});
       series.points.push_back({value, ++count});
     }
-    series.points.push_back({1.05 * largest, count});
+    series.points.push_back({smallest + 1.05 * (largest - smallest), count});
     plot.series.push_back(std::move(series));
   }
   return plot;

@@ -192,8 +192,10 @@ void Draw(const Plot& plot, PlotCanvas* canvas) {
       }
     }
   }
-  double y = kTop + 16;
-  for (size_t i = 0; i < plot.series.size(); ++i, y += 18) {
+  constexpr double kLine = 18;
+  const double height = kLine * static_cast<double>(plot.series.size());
+  double y = plot.legend_at_bottom ? kHeight - kBottom - height + 6 : kTop + 16;
+  for (size_t i = 0; i < plot.series.size(); ++i, y += kLine) {
     const double x = kWidth - kRight - 8;
     canvas->Polyline({{x - 24, y - 4}, {x, y - 4}}, colors[i], 2.5);
     canvas->Text({x - 30, y}, plot.series[i].label, TextAnchor::kEnd, kTextSize, colors[i], false);

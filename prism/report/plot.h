@@ -24,8 +24,9 @@ struct Plot {
   std::string x_label;  // with unit
   std::string y_label;
   std::vector<PlotSeries> series;
-  bool equal_scale = false;  // one unit has one length on both axes (maps)
-  bool y_from_zero = false;  // the y axis includes 0
+  bool equal_scale = false;       // one unit has one length on both axes (maps)
+  bool y_from_zero = false;       // the y axis includes 0
+  bool legend_at_bottom = false;  // in the lower right corner, not the upper one
 };
 
 // Positions of axis ticks in [low, high]: multiples of 1, 2 or 5 times a power of ten, about
