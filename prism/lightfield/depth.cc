@@ -54,8 +54,8 @@ constexpr float kGradientNoise = 0.08f;
 constexpr float kMargin = kPatchRadius + 8;  // px: the kernel reads kPatchLanes + 1 pixels a row
 constexpr int kMaxHypotheses = 64;
 constexpr float kLastStep = 0.003f;  // of 1/v: a Gauss-Newton step this small is the last
-constexpr int kMaxSearched = 7;      // lenses in the search, nearest to the chief ray first
-constexpr int kMaxRefined = 14;      // lenses in the refinement
+constexpr int kMaxSearched = 5;      // lenses in the search, nearest to the chief ray first
+constexpr int kMaxRefined = 10;      // lenses in the refinement
 
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
 
@@ -67,6 +67,10 @@ float NoiseHessian(const Samples& samples, int count, const PatchSums& sums, flo
     baseline += samples[k].dx * samples[k].dx + samples[k].dy * samples[k].dy;
   }
   return kGradientNoise * noise * noise * sums.freedom * baseline / static_cast<float>(count);
+}
+
+bool Agree(float w, float sigma, float other_w, float other_sigma) {
+  return std::abs(w - other_w) < 2 * (sigma + other_sigma);
 }
 
 // The views that are compared: of at most `max_count` lenses of types that `match` uses.
@@ -330,6 +334,35 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
   return result;
 }
 
+void DepthEstimator::FillBetween(int y) {
+  for (int x = (y + 1) % 2; x < width_; x += 2) {
+    raw_depth_(x, y) = 0;
+    raw_sigma_(x, y) = 0;
+    if (x == 0 || y == 0 || x + 1 == width_ || y + 1 == height_) continue;
+    const float w[4] = {
+        raw_depth_(x - 1, y), raw_depth_(x + 1, y), raw_depth_(x, y - 1), raw_depth_(x, y + 1)};
+    const float sigma[4] = {
+        raw_sigma_(x - 1, y), raw_sigma_(x + 1, y), raw_sigma_(x, y - 1), raw_sigma_(x, y + 1)};
+    int best = -1;
+    for (int k = 0; k < 4; ++k) {
+      if (w[k] > 0 && (best < 0 || sigma[k] < sigma[best])) best = k;
+    }
+    if (best < 0) continue;
+    int count = 0;
+    float sum = 0;
+    float variance = 0;
+    for (int k = 0; k < 4; ++k) {
+      if (w[k] == 0 || !Agree(w[k], sigma[k], w[best], sigma[best])) continue;
+      ++count;
+      sum += w[k];
+      variance += sigma[k] * sigma[k];
+    }
+    if (count < 2) continue;
+    raw_depth_(x, y) = sum / static_cast<float>(count);
+    raw_sigma_(x, y) = std::sqrt(variance / static_cast<float>(count));
+  }
+}
+
 void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma) {
   constexpr int kReach = 3;
   tbb::parallel_for(0, height_, [&](int y) {
@@ -347,7 +380,7 @@ void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma
           const float other = raw_depth_(u, v);
           if (other == 0) continue;
           const float sigma_other = raw_sigma_(u, v);
-          if (std::abs(other - w) < 2 * (raw_sigma_(x, y) + sigma_other)) {
+          if (Agree(other, sigma_other, w, raw_sigma_(x, y))) {
             ++agree;
             const float far = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
             const float information = 1 / (sigma_other * sigma_other * (1 + 0.25f * far));
@@ -359,7 +392,7 @@ void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma
         }
       }
       if (agree < 8 || 2 * disagree > agree) continue;
-      (*inverse_virtual_depth)(x, y) = sum / weight - static_cast<float>(options_.shading_bias);
+      (*inverse_virtual_depth)(x, y) = sum / weight - static_cast<float>(options_.systematic_error);
       (*sigma)(x, y) = raw_sigma_(x, y);
     }
   });
@@ -380,12 +413,13 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
     }
   });
   tbb::parallel_for(0, height_, [&](int y) {
-    for (int x = 0; x < width_; ++x) {
+    for (int x = y % 2; x < width_; x += 2) {
       const Estimated estimated = RefineFromSeeds(raw, x, y);
       raw_depth_(x, y) = estimated.w;
       raw_sigma_(x, y) = estimated.sigma;
     }
   });
+  tbb::parallel_for(0, height_, [&](int y) { FillBetween(y); });
   FuseNeighbours(inverse_virtual_depth, sigma);
 }
 

@@ -7,24 +7,9 @@
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
 
+#include "prism/lightfield/resample_kernel.h"
+
 namespace prism {
-namespace {
-
-// Bilinear value; precondition: 0 <= x < width - 1, 0 <= y < height - 1.
-float Sample(const ImageF& image, float x, float y) {
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const float fx = x - static_cast<float>(x0);
-  const float fy = y - static_cast<float>(y0);
-  const float* p = image.row(y0) + x0;
-  const float* q = p + image.width();
-  const float top = p[0] + fx * (p[1] - p[0]);
-  const float bottom = q[0] + fx * (q[1] - q[0]);
-  return top + fy * (bottom - top);
-}
-
-}  // namespace
-
 float TypeSharpness(const MicroLensGrid& grid, int type, float w) {
   if (grid.types.size() == 1) return 1;
   const float low = static_cast<float>(1 / grid.types[type].max_virtual_depth);
@@ -47,30 +32,52 @@ void RenderFocusedImage(const PlenopticCamera& camera,
   const MicroLensGrid& grid = *camera.micro_lens_grid;
   const float scale = static_cast<float>(camera.focused_scale);
   const float radius = lenses.radius_px();
+  const int types = lenses.HasSeveralFocalLengths() ? static_cast<int>(grid.types.size()) : 1;
   tbb::parallel_for(0, height, [&](int y) {
-    LensView views[LensTable::kMaxViews];
+    constexpr int kMaxLenses = 64;
+    constexpr int kMaxTypes = 3;
+    int around[kMaxLenses];
+    alignas(64) float sharpness[kMaxTypes][kResampleLanes];
+    VirtualPointRun run;
+    run.Y = (static_cast<float>(y) + 0.5f) * scale - 0.5f;
     float last = 0;
-    for (int x = 0; x < width; ++x) {
-      const float w = dense_inverse_virtual_depth(x, y);
-      const float X = (static_cast<float>(x) + 0.5f) * scale - 0.5f;
-      const float Y = (static_cast<float>(y) + 0.5f) * scale - 0.5f;
-      const int count = lenses.ViewsOf(X, Y, w, radius, 1.01f, views);
-      float sum = 0;
-      float total = 0;
-      for (int k = 0; k < count; ++k) {
-        const LensView& view = views[k];
-        const Lens& lens = lenses.lenses()[view.lens];
-        const float colour = raw.lens_colour(static_cast<int>(view.x), static_cast<int>(view.y));
-        // Masked pixels (rim, saturated) count where nothing else is seen.
-        const float good = colour == static_cast<float>(lens.colour + 1) ? 1.0f : 1e-3f;
-        const float relative = view.radius_px / radius;
-        const float inner = 1.001f - relative * relative;
-        const float weight = good * inner * inner * TypeSharpness(grid, lens.type, w);
-        sum += weight * Sample(raw.gray, view.x, view.y);
-        total += weight;
+    for (int start = 0; start < width; start += kResampleLanes) {
+      float nearest = 1, farthest = 0;
+      for (int i = 0; i < kResampleLanes; ++i) {
+        const int x = std::min(start + i, width - 1);
+        run.X[i] = (static_cast<float>(x) + 0.5f) * scale - 0.5f;
+        run.w[i] = dense_inverse_virtual_depth(x, y);
+        nearest = std::min(nearest, run.w[i]);
+        farthest = std::max(farthest, run.w[i]);
+        for (int type = 0; type < types; ++type) {
+          sharpness[type][i] = types == 1 ? 1.0f : TypeSharpness(grid, type, run.w[i]);
+        }
       }
-      if (total > 0) last = sum / total;
-      (*image)(x, y) = last;
+      const int count = lenses.LensesAround(run.X[0],
+                                            run.X[kResampleLanes - 1],
+                                            run.Y,
+                                            nearest,
+                                            farthest,
+                                            radius,
+                                            kMaxLenses,
+                                            around);
+      alignas(64) float sum[kResampleLanes] = {};
+      alignas(64) float weight[kResampleLanes] = {};
+      for (int k = 0; k < count; ++k) {
+        const Lens& lens = lenses.lenses()[around[k]];
+        ResampleLens(lens,
+                     raw.gray,
+                     raw.lens_colour,
+                     radius,
+                     run,
+                     sharpness[types == 1 ? 0 : lens.type],
+                     sum,
+                     weight);
+      }
+      for (int i = 0; i < std::min(kResampleLanes, width - start); ++i) {
+        if (weight[i] > 0) last = sum[i] / weight[i];
+        (*image)(start + i, y) = last;
+      }
     }
   });
 }

@@ -166,26 +166,65 @@ std::vector<int> LensTable::NeighboursOf(int lens, float max_baseline_px) const 
   return neighbours;
 }
 
-int LensTable::ViewsOf(
-    float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const {
-  const float slope = w + 1 / eq8_scale_ - 1;  // d(offset in the micro image) / d(c_ML)
-  const float to_chief = w / (slope * eq8_scale_);
-  const float chief_x = principal_x_ + (X - principal_x_) * to_chief;  // as a c_I
-  const float chief_y = principal_y_ + (Y - principal_y_) * to_chief;
-  const Eigen::Vector2f lattice = lattice_from_px_ * (Eigen::Vector2f(chief_x, chief_y) - origin_);
+Eigen::Vector2f LensTable::ChiefRay(float X, float Y, float w) const {
+  const float to_chief = w / ((w + 1 / eq8_scale_ - 1) * eq8_scale_);
+  return {principal_x_ + (X - principal_x_) * to_chief,
+          principal_y_ + (Y - principal_y_) * to_chief};
+}
+
+float LensTable::Reach(float w, float max_radius_px) const {
+  // d(offset in the micro image) / d(c_I) = (w + 1/k - 1) k
+  return max_radius_px / ((w + 1 / eq8_scale_ - 1) * eq8_scale_);
+}
+
+const std::vector<LensTable::Offset>& LensTable::OffsetsAround(const Eigen::Vector2f& chief,
+                                                               int* i,
+                                                               int* j) const {
+  const Eigen::Vector2f lattice = lattice_from_px_ * (chief - origin_);
   const float u = std::floor(lattice.x());
   const float v = std::floor(lattice.y());
-  const int i0 = static_cast<int>(u);
-  const int j0 = static_cast<int>(v);
+  *i = static_cast<int>(u);
+  *j = static_cast<int>(v);
   const int column = std::min(static_cast<int>((lattice.x() - u) * kCells), kCells - 1);
   const int row = std::min(static_cast<int>((lattice.y() - v) * kCells), kCells - 1);
-  // Half the longer diagonal of a part of the cell, and a pixel for distortion.
-  const float reach = max_radius_px / (slope * eq8_scale_) + 0.87f / kCells * pitch_px_ + 1;
+  return cell_offsets_[row][column];
+}
+
+int LensTable::LensesAround(float X0,
+                            float X1,
+                            float Y,
+                            float w0,
+                            float w1,
+                            float max_radius_px,
+                            int max_count,
+                            int* lenses) const {
+  const Eigen::Vector2f corners[] = {
+      ChiefRay(X0, Y, w0), ChiefRay(X1, Y, w0), ChiefRay(X0, Y, w1), ChiefRay(X1, Y, w1)};
+  const Eigen::Vector2f center = 0.25f * (corners[0] + corners[1] + corners[2] + corners[3]);
+  float extent = 0;
+  for (const Eigen::Vector2f& corner : corners) {
+    extent = std::max(extent, (corner - center).norm());
+  }
+  const float reach = Reach(std::min(w0, w1), max_radius_px) + extent + cell_radius_px();
+  int i, j;
+  int count = 0;
+  for (const Offset& offset : OffsetsAround(center, &i, &j)) {
+    if (offset.length_px > reach || count == max_count) break;
+    const int index = IndexOf(i + offset.di, j + offset.dj);
+    if (index >= 0) lenses[count++] = index;
+  }
+  return count;
+}
+
+int LensTable::ViewsOf(
+    float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const {
+  const float reach = Reach(w, max_radius_px) + cell_radius_px();
   const float max_squared = max_radius_px * max_radius_px;
   int count = 0;
-  for (const Offset& offset : cell_offsets_[row][column]) {
+  int i, j;
+  for (const Offset& offset : OffsetsAround(ChiefRay(X, Y, w), &i, &j)) {
     if (offset.length_px > reach || count == kMaxViews) break;
-    const int index = IndexOf(i0 + offset.di, j0 + offset.dj);
+    const int index = IndexOf(i + offset.di, j + offset.dj);
     if (index < 0) continue;
     const Lens& lens = lenses_[index];
     const float ex = X - lens.lens_x;

@@ -67,6 +67,18 @@ class LensTable {
   // Indices of the other lenses within a baseline of at most 6 pitches, nearest first.
   std::vector<int> NeighboursOf(int lens, float max_baseline_px) const;
 
+  // Indices of lenses among which are all that see, within `max_radius_px` of their micro-image
+  // centres, a virtual point (X, Y, 1/v) with X in [X0, X1] and 1/v in [w0, w1]. Returns their
+  // number, at most max_count.
+  int LensesAround(float X0,
+                   float X1,
+                   float Y,
+                   float w0,
+                   float w1,
+                   float max_radius_px,
+                   int max_count,
+                   int* lenses) const;
+
   // The lenses that see the virtual point (X, Y, 1/v = w) within `max_radius_px` of their
   // micro-image centres and `margin_px` inside the image, from the chief ray outwards, at most
   // kMaxViews. Returns their number.
@@ -84,6 +96,13 @@ class LensTable {
     if (i < min_i_ || j < min_j_ || i >= min_i_ + size_i_ || j >= min_j_ + size_j_) return -1;
     return index_[static_cast<size_t>(j - min_j_) * size_i_ + (i - min_i_)];
   }
+  // Where a chief ray meets the lattice of micro-image centres, undistorted raw px.
+  Eigen::Vector2f ChiefRay(float X, float Y, float w) const;
+  // Distance from the chief ray at which lenses see a point at max_radius_px from their centre.
+  float Reach(float w, float max_radius_px) const;
+  // Lenses around a point of that lattice by distance from it; i and j are its cell's.
+  const std::vector<Offset>& OffsetsAround(const Eigen::Vector2f& chief, int* i, int* j) const;
+  float cell_radius_px() const { return 0.87f / kCells * pitch_px_ + 1; }  // and 1 px of distortion
   void BuildColourMask();
 
   int width_, height_;

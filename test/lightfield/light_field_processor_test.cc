@@ -36,7 +36,7 @@ cv::Mat White(const PlenopticCamera& camera) {
 // The synthetic frames are those of pinhole micro lenses.
 LightFieldOptions PinholeOptions() {
   LightFieldOptions options;
-  options.depth.shading_bias = 0;
+  options.depth.systematic_error = 0;
   return options;
 }
 

@@ -56,10 +56,10 @@ void FocusedImage(benchmark::State& state) {
   }
 }
 
-BENCHMARK(Preparation)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(Depth)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(FillGaps)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(FocusedImage)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(Preparation)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(Depth)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(FillGaps)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(FocusedImage)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 }  // namespace
 }  // namespace prism

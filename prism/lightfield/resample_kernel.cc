@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/lightfield/resample_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "prism/lightfield/resample_kernel.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace prism {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+void ResampleLensImpl(const Lens& lens,
+                      const ImageF& raw,
+                      const ImageF& colours,
+                      float radius_px,
+                      const VirtualPointRun& run,
+                      const float* sharpness,
+                      float* sum,
+                      float* weight) {
+  const hn::CappedTag<float, kResampleLanes> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const auto set = [&](float value) { return hn::Set(d, value); };
+  const auto one = set(1.0f);
+  constexpr float kMargin = 1.01f;
+  for (size_t lane = 0; lane < kResampleLanes; lane += hn::Lanes(d)) {
+    const auto w = hn::Load(d, run.w + lane);
+    const auto ex = hn::Sub(hn::Load(d, run.X + lane), set(lens.lens_x));
+    const auto ey = set(run.Y - lens.lens_y);
+    const auto mx = hn::MulAdd(ex, w, set(lens.lens_x - lens.center_x));
+    const auto my = hn::MulAdd(ey, w, set(lens.lens_y - lens.center_y));
+    const auto squared = hn::MulAdd(mx, mx, hn::Mul(my, my));
+    const auto x = hn::MulAdd(set(lens.axx), mx, hn::MulAdd(set(lens.axy), my, set(lens.image_x)));
+    const auto y = hn::MulAdd(set(lens.ayx), mx, hn::MulAdd(set(lens.ayy), my, set(lens.image_y)));
+    const auto lowest = hn::Min(x, y);
+    const auto inside_x = hn::Le(x, set(static_cast<float>(raw.width()) - 1 - kMargin));
+    const auto inside_y = hn::Le(y, set(static_cast<float>(raw.height()) - 1 - kMargin));
+    const auto seen = hn::And(hn::And(hn::Le(squared, set(radius_px * radius_px)), inside_x),
+                              hn::And(inside_y, hn::Ge(lowest, set(kMargin))));
+    if (hn::AllFalse(d, seen)) continue;
+    const auto x_safe = hn::IfThenElseZero(seen, x);
+    const auto y_safe = hn::IfThenElseZero(seen, y);
+    const auto x0 = hn::ConvertTo(di, x_safe);
+    const auto y0 = hn::ConvertTo(di, y_safe);
+    const auto fx = hn::Sub(x_safe, hn::ConvertTo(d, x0));
+    const auto fy = hn::Sub(y_safe, hn::ConvertTo(d, y0));
+    const auto index = hn::Add(hn::Mul(y0, hn::Set(di, raw.width())), x0);
+    const float* pixels = raw.data();
+    const float* below = pixels + raw.width();
+    const auto v00 = hn::GatherIndex(d, pixels, index);
+    const auto v10 = hn::GatherIndex(d, pixels + 1, index);
+    const auto v01 = hn::GatherIndex(d, below, index);
+    const auto v11 = hn::GatherIndex(d, below + 1, index);
+    const auto top = hn::MulAdd(fx, hn::Sub(v10, v00), v00);
+    const auto bottom = hn::MulAdd(fx, hn::Sub(v11, v01), v01);
+    const auto value = hn::MulAdd(fy, hn::Sub(bottom, top), top);
+    const auto good =
+        hn::Eq(hn::GatherIndex(d, colours.data(), index), set(static_cast<float>(lens.colour + 1)));
+    const auto inner = hn::NegMulAdd(squared, set(1 / (radius_px * radius_px)), set(1.001f));
+    auto q = hn::Mul(hn::Mul(inner, inner), hn::Load(d, sharpness + lane));
+    q = hn::Mul(q, hn::IfThenElse(good, one, set(1e-3f)));
+    q = hn::IfThenElseZero(seen, q);
+    hn::Store(hn::MulAdd(q, value, hn::Load(d, sum + lane)), d, sum + lane);
+    hn::Store(hn::Add(q, hn::Load(d, weight + lane)), d, weight + lane);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace prism
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace prism {
+
+HWY_EXPORT(ResampleLensImpl);
+
+void ResampleLens(const Lens& lens,
+                  const ImageF& raw,
+                  const ImageF& colours,
+                  float radius_px,
+                  const VirtualPointRun& run,
+                  const float* sharpness,
+                  float* sum,
+                  float* weight) {
+  HWY_DYNAMIC_DISPATCH(ResampleLensImpl)
+  (lens, raw, colours, radius_px, run, sharpness, sum, weight);
+}
+
+}  // namespace prism
+#endif  // HWY_ONCE
