@@ -54,13 +54,15 @@ FrameSource OpenFocused(const SequenceOptions& options) {
 
 // Frames are processed as they are read, one at a time.
 FrameSource OpenRaw(const SequenceOptions& options) {
-  RawInput input =
-      OpenRawInput(options.sequence, options.camera, options.micro_lens_grid, options.white_image);
+  RawInput input = OpenRawInput({options.sequence,
+                                 options.camera,
+                                 options.micro_lens_grid,
+                                 options.white_image,
+                                 options.colour});
   FrameSource source;
   source.camera = input.camera;
   auto sequence = std::make_shared<const RawSequence>(std::move(*input.sequence));
-  auto processor =
-      std::make_shared<LightFieldProcessor>(input.camera, input.white, LightFieldOptions{});
+  auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
   for (int i = 0; i < sequence->size(); ++i) source.times_ns.push_back(sequence->time_ns(i));
   source.read = [sequence, processor](int index) {
     return processor->Process(sequence->Read(index));

@@ -21,6 +21,7 @@ struct SequenceOptions {
   std::string camera;           // file
   std::string micro_lens_grid;  // file, optional
   std::string white_image;      // file, optional
+  std::string colour = "auto";  // of raw frames (RawInputOptions)
   std::string format;           // "raw", "focused", "rgbd" or empty: by what the folder holds
   int start_frame = 0;
   int max_frames = 0;    // 0: all

@@ -19,6 +19,7 @@
 #include "prism/lightfield/grid_estimation.h"
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/lightfield/pinhole_view.h"
+#include "prism/lightfield/reprojection.h"
 #include "tools/raw_input.h"
 #include "tools/rgbd_writer.h"
 #include "tools/tool_main.h"
@@ -27,6 +28,7 @@ DEFINE_string(raw, "", "Folder of a raw sequence (raw.txt).");
 DEFINE_string(camera, "", "Camera file.");
 DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
 DEFINE_string(white_image, "", "White image; white.png of the folder if empty.");
+DEFINE_string(colour, "auto", "auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg.");
 DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
 DEFINE_string(truth, "", "Folder with true inverse virtual depth, NNNNNN.png by frame number.");
 DEFINE_string(export_rgbd, "", "Folder for the pinhole view as TUM RGB-D; default: pinhole/.");
@@ -41,8 +43,8 @@ DEFINE_double(max_inverse_virtual_depth, 0.48, "Largest 1/v searched, at most 0.
 namespace prism {
 namespace {
 
-LightFieldOptions OptionsFromFlags() {
-  LightFieldOptions options;
+void ApplyFlags(LightFieldOptions* changed) {
+  LightFieldOptions& options = *changed;
   options.depth.min_inverse_virtual_depth = FLAGS_min_inverse_virtual_depth;
   options.depth.max_inverse_virtual_depth = FLAGS_max_inverse_virtual_depth;
   std::string error;
@@ -53,7 +55,6 @@ LightFieldOptions OptionsFromFlags() {
   if (FLAGS_threads < 1) {
     throw InputError("--threads", std::to_string(FLAGS_threads), "1 or more");
   }
-  return options;
 }
 
 ExitStatus EstimateGridFromWhite() {
@@ -114,6 +115,25 @@ nlohmann::json AccuracyToJson(const DepthAccuracyEvaluator& evaluator) {
   return list;
 }
 
+nlohmann::json ReprojectionToJson(const LightFieldProcessor& processor,
+                                  const LightFieldFrame& frame) {
+  constexpr double kTextured = 3;  // gradient per focused px over the noise
+  const double noise = processor.noise();
+  const ReprojectionError error = MeasureReprojection(processor.camera(),
+                                                      processor.lenses(),
+                                                      processor.prepared(),
+                                                      frame,
+                                                      processor.dense_inverse_virtual_depth(),
+                                                      kTextured * noise);
+  std::printf(
+      "focused image against the first raw frame: RMS %.2f on %ld textured pixels, noise "
+      "%.2f\n",
+      error.rms,
+      error.pixels,
+      noise);
+  return {{"rms", error.rms}, {"pixels", error.pixels}, {"noise", noise}};
+}
+
 void AddTruth(int frame, const LightFieldFrame& result, DepthAccuracyEvaluator* evaluator) {
   char name[32];
   std::snprintf(name, sizeof(name), "%06d.png", frame);
@@ -128,20 +148,22 @@ ExitStatus ProcessSequence() {
   RequireFlag("raw", FLAGS_raw, "the folder of a raw sequence");
   RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
-  const LightFieldOptions options = OptionsFromFlags();
-  RawInput input = OpenRawInput(FLAGS_raw, FLAGS_camera, FLAGS_micro_lens_grid, FLAGS_white_image);
+  RawInput input = OpenRawInput(
+      {FLAGS_raw, FLAGS_camera, FLAGS_micro_lens_grid, FLAGS_white_image, FLAGS_colour});
+  ApplyFlags(&input.options);
   std::cout << input.grid_report << std::endl;
   if (!FLAGS_truth.empty() && !std::filesystem::is_directory(FLAGS_truth)) {
     throw InputError(FLAGS_truth, "no such folder", "a folder of true inverse virtual depth");
   }
 
-  LightFieldProcessor processor(input.camera, input.white, options);
+  LightFieldProcessor processor(input.camera, input.white, input.options);
   const std::filesystem::path output(FLAGS_output_dir);
   FocusedSequenceWriter writer(FLAGS_output_dir);
   RgbdWriter pinhole(FLAGS_export_rgbd.empty() ? (output / "pinhole").string() : FLAGS_export_rgbd,
                      PinholeView(input.camera),
                      FLAGS_crop_fov_deg);
   DepthAccuracyEvaluator evaluator;
+  nlohmann::json json;
   StageTimer frame_timer;
   const int size = input.sequence->size();
   const int count = FLAGS_max_frames > 0 ? std::min(FLAGS_max_frames, size) : size;
@@ -152,6 +174,7 @@ ExitStatus ProcessSequence() {
       StageTimer::Scope scope(&frame_timer, "frame");
       frame = processor.Process(raw);
     }
+    if (i == 0) json["reprojection"] = ReprojectionToJson(processor, frame);
     writer.Write(frame);
     pinhole.Write(frame.time_ns,
                   MakePinholeView(input.camera, frame, processor.dense_inverse_virtual_depth()));
@@ -161,7 +184,6 @@ ExitStatus ProcessSequence() {
   pinhole.Finish();
   WriteNativeCamera((output / "camera.yaml").string(), input.camera);
 
-  nlohmann::json json;
   json["options"] = EffectiveOptions();
   json["frames"] = count;
   json["grid"] = input.grid_report;

@@ -30,6 +30,9 @@ DEFINE_string(sequence, "", "Folder of the sequence (raw, focused or TUM RGB-D l
 DEFINE_string(camera, "", "Camera file. For RGB-D input: the plenoptic camera to stand in for.");
 DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
 DEFINE_string(white_image, "", "White image of a raw sequence; white.png of the folder if empty.");
+DEFINE_string(colour,
+              "auto",
+              "Of raw frames: auto, gray, colour, bayer_rggb, _bggr, _grbg, _gbrg.");
 DEFINE_string(format, "", "raw, focused or rgbd; empty: by what the folder holds.");
 DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
 DEFINE_string(
@@ -112,6 +115,7 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.camera = FLAGS_camera;
   options.micro_lens_grid = FLAGS_micro_lens_grid;
   options.white_image = FLAGS_white_image;
+  options.colour = FLAGS_colour;
   options.format = FLAGS_format;
   options.start_frame = FLAGS_start_frame;
   options.max_frames = FLAGS_max_frames;

@@ -11,13 +11,27 @@
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/lightfield/grid_estimation.h"
-#include "prism/lightfield/light_field_processor.h"
 
 namespace prism {
 namespace {
 
 constexpr double kMaxRms = 0.05;      // of a micro-image centre, in pitches, on a white image
 constexpr double kMinContrast = 0.1;  // below that raw frames do not show the grid
+
+RawPixels ReadPixels(const std::string& colour) {
+  if (colour == "bayer_rggb") return RawPixels::kBayerRggb;
+  if (colour == "bayer_bggr") return RawPixels::kBayerBggr;
+  if (colour == "bayer_grbg") return RawPixels::kBayerGrbg;
+  if (colour == "bayer_gbrg") return RawPixels::kBayerGbrg;
+  if (colour == "auto" || colour == "gray" || colour == "colour") return RawPixels::kGray;
+  throw InputError("--colour",
+                   "'" + colour + "'",
+                   "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg");
+}
+
+int ChannelsOf(const std::string& colour) {
+  return colour == "auto" ? 0 : colour == "colour" ? 3 : 1;
+}
 
 void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
   std::vector<cv::Mat> images;
@@ -84,7 +98,7 @@ void DecideTypeOrder(RawInput* input) {
   const auto sharpness = [&](const MicroLensGrid& grid) {
     PlenopticCamera camera = input->camera;
     camera.micro_lens_grid = grid;
-    LightFieldProcessor processor(camera, input->white, LightFieldOptions{});
+    LightFieldProcessor processor(camera, input->white, input->options);
     const LightFieldFrame result = processor.Process(frame);
     const ImageF energy = SquaredGradientMagnitude(result.image[0]);
     return std::accumulate(energy.data(), energy.data() + energy.size(), 0.0) /
@@ -105,22 +119,24 @@ void DecideTypeOrder(RawInput* input) {
 
 }  // namespace
 
-RawInput OpenRawInput(const std::string& folder,
-                      const std::string& camera_path,
-                      const std::string& grid_path,
-                      const std::string& white_path) {
+RawInput OpenRawInput(const RawInputOptions& options) {
   RawInput input;
-  input.camera = ReadPlenopticCamera(camera_path);
-  if (!grid_path.empty()) input.camera.micro_lens_grid = ReadMicroLensGrid(grid_path);
+  input.camera = ReadPlenopticCamera(options.camera);
+  if (!options.micro_lens_grid.empty()) {
+    input.camera.micro_lens_grid = ReadMicroLensGrid(options.micro_lens_grid);
+  }
   if (!input.camera.micro_lens_grid) {
-    throw InputError(camera_path,
+    throw InputError(options.camera,
                      "no micro-lens grid",
                      "one in the camera file or --micro_lens_grid for raw frames");
   }
-  input.sequence.emplace(folder, input.camera);
-  const std::string white = white_path.empty() ? input.sequence->WhiteImagePath() : white_path;
+  input.options.preparation.pixels = ReadPixels(options.colour);
+  input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
+  const std::string white =
+      options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
   if (!white.empty()) input.white = ReadWhiteImage(white, input.camera);
-  RefineCameraGrid(grid_path.empty() ? camera_path : grid_path, &input);
+  RefineCameraGrid(options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid,
+                   &input);
   DecideTypeOrder(&input);
   return input;
 }

@@ -9,24 +9,31 @@
 
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/io/raw_sequence.h"
+#include "prism/lightfield/light_field_processor.h"
 
 namespace prism {
+
+// What a user says of a raw sequence; files and folders may be empty where that is said.
+struct RawInputOptions {
+  std::string folder;
+  std::string camera;           // file
+  std::string micro_lens_grid;  // file; empty: the camera file's own grid
+  std::string white_image;      // file; empty: the folder's white.png, else none
+  std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
+};
 
 // A raw sequence with all that its processing needs.
 struct RawInput {
   PlenopticCamera camera;  // with its micro-lens grid, refined
   cv::Mat white;           // empty: none
   std::optional<RawSequence> sequence;
-  std::string grid_report;  // what the refinement of the grid found, one line
+  LightFieldOptions options;  // with the colour pattern of the sequence
+  std::string grid_report;    // what the refinement of the grid found, one line
 };
 
-// Opens `folder` with the camera file, the grid file (empty: the camera file's own grid) and the
-// white image (empty: the folder's white.png, else none). A grid is refined on the white image, or
-// on the first frames where there is none. Throws InputError, also for a grid whose pitch does not
-// fit the white image.
-RawInput OpenRawInput(const std::string& folder,
-                      const std::string& camera_path,
-                      const std::string& grid_path,
-                      const std::string& white_path);
+// Opens a raw sequence. A grid is refined on the white image, or on the first frames where there is
+// none. `auto` takes images of one channel as gray and others as colour. Throws InputError, also
+// for a grid whose pitch does not fit the white image and for an unknown colour.
+RawInput OpenRawInput(const RawInputOptions& options);
 
 }  // namespace prism

@@ -24,8 +24,8 @@ void RequireRawType(const std::string& path, const cv::Mat& image) {
 
 }  // namespace
 
-RawSequence::RawSequence(const std::string& folder, const PlenopticCamera& camera)
-    : folder_(folder), width_(camera.raw_width), height_(camera.raw_height) {
+RawSequence::RawSequence(const std::string& folder, const PlenopticCamera& camera, int channels)
+    : folder_(folder), width_(camera.raw_width), height_(camera.raw_height), channels_(channels) {
   const std::filesystem::path root(folder);
   const std::string list = (root / "raw.txt").string();
   for (const TimedLine& line : ReadTimeList(list, 1)) {
@@ -48,6 +48,12 @@ RawFrame RawSequence::Read(int index) const {
   frame.image = ReadImageUnchanged(entry.path);
   RequireImageSize(entry.path, frame.image, width_, height_);
   RequireRawType(entry.path, frame.image);
+  if (channels_ != 0 && frame.image.channels() != channels_) {
+    throw InputError(
+        entry.path,
+        channels_ == 1 ? "a colour image" : "an image of one channel",
+        channels_ == 1 ? "one channel, gray or Bayer as declared" : "a colour image, as declared");
+  }
   return frame;
 }
 

@@ -18,10 +18,12 @@ namespace prism {
 //
 // Throws InputError: no such folder or list, an empty list, times that do not increase, a file that
 // is missing; on Read an image that does not decode, is of another size than the camera's raw image
-// or is in colour where a Bayer pattern or gray is declared.
+// or has another number of channels than declared (a colour image where gray or a Bayer pattern
+// is).
 class RawSequence {
  public:
-  RawSequence(const std::string& folder, const PlenopticCamera& camera);
+  // `channels`: 1 (gray or Bayer) or 3 (colour) of every image; 0: either.
+  RawSequence(const std::string& folder, const PlenopticCamera& camera, int channels = 0);
 
   int size() const { return static_cast<int>(entries_.size()); }
   int64_t time_ns(int index) const { return entries_[index].time_ns; }
@@ -40,6 +42,7 @@ class RawSequence {
   };
   std::string folder_;
   int width_, height_;
+  int channels_;
   std::vector<Entry> entries_;
 };
 

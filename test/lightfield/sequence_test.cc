@@ -73,6 +73,21 @@ TEST_F(SequenceTest, BadRawSequencesAreInputErrors) {
   EXPECT_THROW(sequence.Read(1), InputError);
 }
 
+TEST_F(SequenceTest, ColourWhereGrayIsDeclaredIsBadInput) {
+  cv::imwrite(folder_ + "/gray.png", cv::Mat(64, 64, CV_8UC1, cv::Scalar(9)));
+  cv::imwrite(folder_ + "/colour.png", cv::Mat(64, 64, CV_8UC3, cv::Scalar(9, 8, 7)));
+  Write("raw.txt", "1.0 gray.png\n2.0 colour.png\n");
+  const RawSequence one_channel(folder_, camera_, 1);
+  EXPECT_NO_THROW(one_channel.Read(0));
+  EXPECT_THROW(one_channel.Read(1), InputError);
+  const RawSequence three_channels(folder_, camera_, 3);
+  EXPECT_THROW(three_channels.Read(0), InputError);
+  EXPECT_NO_THROW(three_channels.Read(1));
+  const RawSequence any(folder_, camera_);
+  EXPECT_NO_THROW(any.Read(0));
+  EXPECT_NO_THROW(any.Read(1));
+}
+
 TEST_F(SequenceTest, BlackWhiteImageIsBadInput) {
   cv::imwrite(folder_ + "/white.png", cv::Mat(64, 64, CV_8UC1, cv::Scalar(1)));
   EXPECT_THROW(ReadWhiteImage(folder_ + "/white.png", camera_), InputError);
