@@ -118,7 +118,8 @@ bool Odometry::IsCredible(const LightFieldFrame& frame,
                           const FrameAlignmentResult& alignment) const {
   const RecoveryOptions& recovery = options_.recovery;
   const SE3 pose = alignment.state.target_from_reference * keyframe.state.pose();
-  return alignment.rms <= recovery.max_rms_ratio * tracker_.TypicalRms() &&
+  return (!tracker_.KnowsFit() ||
+          alignment.rms <= recovery.max_rms_ratio * tracker_.TypicalRms()) &&
          alignment.outlier_fraction <= recovery.max_outlier_fraction &&
          alignment.visible_fraction >= recovery.min_visible_fraction &&
          std::abs(alignment.state.a) <= recovery.max_log_gain &&

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -154,23 +155,63 @@ int AlignLevel(const LevelProblem& problem,
   return iteration;
 }
 
+LevelProblem MakeLevelProblem(const TrackingReference& reference,
+                              const ImagePyramid& target,
+                              int level,
+                              const AlignmentOptions& options,
+                              double outlier_threshold) {
+  return LevelProblem(
+      reference.levels[level], reference.cameras[level], target[level], options, outlier_threshold);
+}
+
+int AlignOnLevel(const TrackingReference& reference,
+                 const ImagePyramid& target,
+                 int level,
+                 const AlignmentOptions& options,
+                 AlignmentState* state) {
+  // Far from the solution most residuals are large: widen the threshold until most count.
+  double outlier_threshold = options.outlier_threshold;
+  for (int doubling = 0; doubling < 4; ++doubling) {
+    const LevelCost cost = MakeLevelProblem(reference, target, level, options, outlier_threshold)
+                               .Evaluate(*state, nullptr, nullptr);
+    if (cost.inliers > 0.6 * cost.visible) break;
+    outlier_threshold *= 2;
+  }
+  return AlignLevel(
+      MakeLevelProblem(reference, target, level, options, outlier_threshold), options, state);
+}
+
+int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
+  return static_cast<int>(std::min(target.size(), reference.levels.size()));
+}
+
+bool ProjectSample(const TrackingReference::Sample& sample,
+                   const PlenopticProjection& camera,
+                   const Eigen::Matrix3d& R,
+                   const Eigen::Vector3d& t,
+                   Eigen::Vector2d* px) {
+  const Eigen::Vector3d X = R * sample.ray + sample.rho * t;
+  const double D = X.z() - sample.rho * camera.f;
+  *px = X.head<2>() * (camera.FocalLengthPx() / D) + camera.c;
+  return D > 0;
+}
+
 void MeasureFlow(const TrackingReference& reference, FrameAlignmentResult* result) {
   const PlenopticProjection& camera = reference.cameras[0];
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d R = result->state.target_from_reference.RotationMatrix();
   const Eigen::Vector3d t = result->state.target_from_reference.translation();
   double sum = 0, translation_sum = 0;
   int count = 0;
   for (const TrackingReference::Sample& sample : reference.levels[0]) {
-    const auto pixel = [&](const Eigen::Vector3d& X) -> Eigen::Vector2d {
-      return X.head<2>() * (camera.FocalLengthPx() / (X.z() - sample.rho * camera.f));
-    };
-    const Eigen::Vector3d moved = R * sample.ray + sample.rho * t;
-    const Eigen::Vector3d shifted = sample.ray + sample.rho * t;
-    if (moved.z() - sample.rho * camera.f <= 0 || shifted.z() - sample.rho * camera.f <= 0)
+    Eigen::Vector2d start, moved, shifted;
+    if (!ProjectSample(sample, camera, I, Eigen::Vector3d::Zero(), &start) ||
+        !ProjectSample(sample, camera, R, t, &moved) ||
+        !ProjectSample(sample, camera, I, t, &shifted)) {
       continue;
-    const Eigen::Vector2d start = pixel(sample.ray);
-    sum += (pixel(moved) - start).squaredNorm();
-    translation_sum += (pixel(shifted) - start).squaredNorm();
+    }
+    sum += (moved - start).squaredNorm();
+    translation_sum += (shifted - start).squaredNorm();
     ++count;
   }
   if (count == 0) return;
@@ -237,37 +278,84 @@ TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
   return reference;
 }
 
+std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
+                                       const ImagePyramid& target,
+                                       const std::vector<AlignmentState>& starts,
+                                       const AlignmentOptions& options) {
+  const int num_levels = NumLevels(reference, target);
+  if (num_levels == 0 || reference.empty()) return {};
+  const int level = num_levels - 1;
+  const LevelProblem problem =
+      MakeLevelProblem(reference, target, level, options, options.outlier_threshold);
+  const double num_samples = static_cast<double>(reference.levels[level].size());
+  using Fit = std::pair<double, AlignmentState>;  // with its cost
+  const auto align_all = [&](int max_iterations, std::vector<Fit>* fits) {
+    AlignmentOptions few = options;
+    few.max_iterations = std::min(max_iterations, options.max_iterations);
+    for (auto& [cost, state] : *fits) {
+      AlignOnLevel(reference, target, level, few, &state);
+      const LevelCost reached = problem.Evaluate(state, nullptr, nullptr);
+      const bool possible = reached.visible >= options.min_visible_fraction * num_samples &&
+                            std::abs(state.a) <= options.max_log_gain;
+      cost = possible ? reached.PerSample() : INFINITY;
+    }
+    std::stable_sort(fits->begin(), fits->end(), [](const Fit& left, const Fit& right) {
+      return left.first < right.first;
+    });
+  };
+  // A few iterations tell which starts are worth more.
+  constexpr int kFirstIterations = 5;
+  constexpr size_t kMaxFits = 12;
+  std::vector<Fit> fits;
+  for (const AlignmentState& start : starts) fits.emplace_back(0, start);
+  align_all(kFirstIterations, &fits);
+  if (fits.size() > kMaxFits) fits.resize(kMaxFits);
+  align_all(options.max_iterations, &fits);
+  std::vector<AlignmentState> minima;
+  for (const auto& [cost, fit] : fits) {
+    if (std::isinf(cost)) break;
+    const auto is_fit = [&, &fit = fit](const AlignmentState& minimum) {
+      return AreOneMinimum(reference, minimum.target_from_reference, fit.target_from_reference);
+    };
+    if (std::none_of(minima.begin(), minima.end(), is_fit)) minima.push_back(fit);
+  }
+  return minima;
+}
+
+bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE3& right) {
+  constexpr double kSamePx = 1;
+  const PlenopticProjection& camera = reference.cameras.back();
+  const Eigen::Matrix3d R_left = left.RotationMatrix(), R_right = right.RotationMatrix();
+  double sum = 0;
+  int count = 0;
+  for (const TrackingReference::Sample& sample : reference.levels.back()) {
+    Eigen::Vector2d px_left, px_right;
+    if (ProjectSample(sample, camera, R_left, left.translation(), &px_left) &&
+        ProjectSample(sample, camera, R_right, right.translation(), &px_right)) {
+      sum += (px_left - px_right).squaredNorm();
+      ++count;
+    }
+  }
+  return sum <= kSamePx * kSamePx * count;
+}
+
 FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const ImagePyramid& target,
                                 const AlignmentState& initial,
                                 const AlignmentOptions& options) {
   FrameAlignmentResult result;
   result.state = initial;
-  const int num_levels = static_cast<int>(std::min(target.size(), reference.levels.size()));
+  const int num_levels = NumLevels(reference, target);
   if (num_levels == 0 || reference.empty()) {
     result.status = AlignmentStatus::kTooFewPoints;
     return result;
   }
   for (int level = num_levels - 1; level >= 0; --level) {
-    const auto problem_with = [&](double outlier_threshold) {
-      return LevelProblem(reference.levels[level],
-                          reference.cameras[level],
-                          target[level],
-                          options,
-                          outlier_threshold);
-    };
-    // Far from the solution most residuals are large: widen the threshold until most count.
-    double outlier_threshold = options.outlier_threshold;
-    for (int doubling = 0; doubling < 4; ++doubling) {
-      const LevelCost cost =
-          problem_with(outlier_threshold).Evaluate(result.state, nullptr, nullptr);
-      if (cost.inliers > 0.6 * cost.visible) break;
-      outlier_threshold *= 2;
-    }
-    result.iterations += AlignLevel(problem_with(outlier_threshold), options, &result.state);
+    result.iterations += AlignOnLevel(reference, target, level, options, &result.state);
     if (level > 0) continue;
     const LevelCost cost =
-        problem_with(options.outlier_threshold).Evaluate(result.state, nullptr, nullptr);
+        MakeLevelProblem(reference, target, 0, options, options.outlier_threshold)
+            .Evaluate(result.state, nullptr, nullptr);
     result.inliers = cost.inliers;
     result.visible_fraction = static_cast<double>(cost.visible) / reference.levels[0].size();
     result.outlier_fraction =

@@ -89,4 +89,15 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const AlignmentState& initial,
                                 const AlignmentOptions& options);
 
+// Aligns on the coarsest level alone, which is cheap, from each start. The distinct minima, best
+// fit first; those with too little in view or beyond the limit of brightness are left out.
+std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
+                                       const ImagePyramid& target,
+                                       const std::vector<AlignmentState>& starts,
+                                       const AlignmentOptions& options);
+
+// Whether the points of the reference are a pixel of the coarsest level apart, or less, between two
+// poses.
+bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE3& right);
+
 }  // namespace prism

@@ -119,6 +119,55 @@ TEST(Tracker, FollowsAMotionAcrossAChangeOfReference) {
   }
 }
 
+TEST(Tracker, FindsAQuickMotionFromNothing) {
+  const PlaneScene scene;
+  // 35 to 60 px of 320.
+  for (const Vector6d& motion : {AxisMotion(3, 0.15),
+                                 AxisMotion(4, 0.15),
+                                 AxisMotion(4, -0.2),
+                                 AxisMotion(5, 0.3),
+                                 AxisMotion(0, 0.3),
+                                 AxisMotion(1, -0.3)}) {
+    Tracker tracker{TrackerOptions{}};
+    tracker.SetReference(scene.Reference(), SE3());
+    const SE3 truth = SE3::Exp(motion);
+    const TrackingResult result = tracker.Track(scene.Render(truth));
+    ASSERT_EQ(result.status, TrackingStatus::kGood) << motion.transpose();
+    EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3)
+        << motion.transpose();
+    // From then on velocity is known, the first frame being the reference.
+    EXPECT_EQ(tracker.Track(scene.Render(truth * truth)).attempts, 1) << motion.transpose();
+  }
+}
+
+TEST(Tracker, AtTheStartAMatchOfPartOfTheImageIsNone) {
+  const PlaneScene scene;
+  ImageF image = scene.reference_image()[0];
+  std::mt19937_64 generator = SeededGenerator(32, 0);
+  std::uniform_real_distribution<float> uniform(0, 255);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 180; x < 320; ++x) image(x, y) = uniform(generator);
+  }
+  Tracker tracker{TrackerOptions{}};
+  tracker.SetReference(scene.Reference(), SE3());
+  const TrackingResult result = tracker.Track(BuildPyramid(image, 6));
+  EXPECT_EQ(result.alignment.status, AlignmentStatus::kGood);
+  EXPECT_EQ(result.status, TrackingStatus::kLost);
+}
+
+TEST(RankStarts, PutsTheTrueStartFirst) {
+  const PlaneScene scene;
+  const SE3 truth = SE3::Exp(AxisMotion(4, 0.2));
+  std::vector<AlignmentState> starts(3);
+  starts[1].target_from_reference = truth;
+  starts[2].target_from_reference = truth.Inverse();
+  const std::vector<AlignmentState> ranked =
+      RankStarts(scene.Reference(), scene.Render(truth), starts, {});
+  ASSERT_FALSE(ranked.empty());
+  EXPECT_LT((ranked[0].target_from_reference * truth.Inverse()).Log().norm(), 0.02);
+  EXPECT_TRUE(RankStarts(TrackingReference{}, scene.reference_image(), starts, {}).empty());
+}
+
 TEST(Tracker, ABlackFrameHasNoTexture) {
   const PlaneScene scene;
   Tracker tracker{TrackerOptions{}};
