@@ -10,66 +10,10 @@
 #include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
 
+#include "prism/lightfield/micro_image_centers.h"
+
 namespace prism {
 namespace {
-
-struct MeasuredCenter {
-  LensIndex lens;
-  Eigen::Vector2d center;
-};
-
-// Centroid of the brightness within a disc that moves along with it; false if it leaves the image.
-bool MeasureCenter(const ImageF& image, double radius, Eigen::Vector2d* center) {
-  const Eigen::Vector2d start = *center;
-  constexpr int kIterations = 6;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const int x0 = static_cast<int>(std::floor(center->x() - radius));
-    const int y0 = static_cast<int>(std::floor(center->y() - radius));
-    const int x1 = static_cast<int>(std::ceil(center->x() + radius));
-    const int y1 = static_cast<int>(std::ceil(center->y() + radius));
-    if (x0 < 0 || y0 < 0 || x1 >= image.width() || y1 >= image.height()) return false;
-    double sum = 0, sum_x = 0, sum_y = 0;
-    for (int y = y0; y <= y1; ++y) {
-      for (int x = x0; x <= x1; ++x) {
-        const double dx = x - center->x();
-        const double dy = y - center->y();
-        // A soft edge of one pixel keeps the centroid smooth in the centre.
-        const double inside =
-            std::clamp(radius - std::sqrt(dx * dx + dy * dy) + 0.5, 0.0, 1.0) * image(x, y);
-        sum += inside;
-        sum_x += inside * dx;
-        sum_y += inside * dy;
-      }
-    }
-    if (sum <= 0) return false;
-    // The window takes about half of a shift away.
-    const Eigen::Vector2d step = 2 * Eigen::Vector2d(sum_x, sum_y) / sum;
-    *center += step;
-    if (step.norm() < 1e-3) break;
-  }
-  return (*center - start).norm() < radius;
-}
-
-// Lattice indices of all micro images within `region` px of the image centre.
-std::vector<LensIndex> LensesWithin(const MicroLensGrid& grid,
-                                    int width,
-                                    int height,
-                                    double region) {
-  std::vector<LensIndex> lenses;
-  const int reach = static_cast<int>(1.6 * std::max(width, height) / grid.diameter_px) + 2;
-  for (int j = -reach; j <= reach; ++j) {
-    for (int i = -reach; i <= reach; ++i) {
-      const Eigen::Vector2d center = grid.MicroImageCenter({i, j}, width, height);
-      const Eigen::Vector2d middle(0.5 * (width - 1), 0.5 * (height - 1));
-      if ((center - middle).cwiseAbs().maxCoeff() > region) continue;
-      if (center.x() < 0 || center.y() < 0 || center.x() > width - 1 || center.y() > height - 1) {
-        continue;
-      }
-      lenses.push_back({i, j});
-    }
-  }
-  return lenses;
-}
 
 // Similarity (pitch, rotation, offset) by least squares with Cauchy weights; RMS of the inliers.
 double FitSimilarity(const std::vector<MeasuredCenter>& measured,
@@ -88,7 +32,7 @@ double FitSimilarity(const std::vector<MeasuredCenter>& measured,
       const Eigen::Vector2d origin = grid->MicroImageCenter({0, 0}, width, height);
       const Eigen::Vector2d p = predicted - origin;
       const Eigen::Vector2d r = m.center - predicted;
-      const double weight = 1 / (1 + r.squaredNorm() / (scale * scale));
+      const double weight = m.weight / (1 + r.squaredNorm() / (scale * scale));
       // Unknowns: offset (raw px), relative pitch, rotation in y-down px.
       Eigen::Matrix<double, 2, 4> J;
       J << 1, 0, p.x(), -p.y(), 0, 1, p.y(), p.x();
@@ -110,6 +54,21 @@ double FitSimilarity(const std::vector<MeasuredCenter>& measured,
     if (step.head<2>().norm() < 1e-5 && step.tail<2>().norm() < 1e-9) break;
   }
   return rms;
+}
+
+// Largest move of a micro-image centre, at a corner of the image as both are lattices.
+double LargestChange(const MicroLensGrid& a, const MicroLensGrid& b, int width, int height) {
+  double largest = 0;
+  for (const int y : {0, height - 1}) {
+    for (const int x : {0, width - 1}) {
+      const LensIndex lens = b.NearestLens(Eigen::Vector2d(x, y), width, height);
+      largest = std::max(
+          largest,
+          (a.MicroImageCenter(lens, width, height) - b.MicroImageCenter(lens, width, height))
+              .norm());
+    }
+  }
+  return largest;
 }
 
 double Contrast(const ImageF& image, const MicroLensGrid& grid) {
@@ -136,19 +95,30 @@ double Contrast(const ImageF& image, const MicroLensGrid& grid) {
   return sum > 0 ? (center_sum - corner_sum) / sum : 0;
 }
 
-std::optional<double> Refine(const ImageF& image, double region, MicroLensGrid* grid, int* count) {
+constexpr size_t kMinLenses = 20;
+
+// By centroids; RMS.
+std::optional<double> RefineCoarsely(const ImageF& image, double region, MicroLensGrid* grid) {
   double rms = 0;
   for (int pass = 0; pass < 3; ++pass) {
-    std::vector<MeasuredCenter> measured;
-    for (const LensIndex& lens : LensesWithin(*grid, image.width(), image.height(), region)) {
-      MeasuredCenter m{lens, grid->MicroImageCenter(lens, image.width(), image.height())};
-      if (MeasureCenter(image, 0.45 * grid->diameter_px, &m.center)) measured.push_back(m);
-    }
-    if (measured.size() < 20) return std::nullopt;
+    const std::vector<MeasuredCenter> measured = MeasureCentroids(image, *grid, region);
+    if (measured.size() < kMinLenses) return std::nullopt;
     rms = FitSimilarity(measured, image.width(), image.height(), grid);
-    *count = static_cast<int>(measured.size());
   }
   return rms;
+}
+
+// Of a grid that RefineCoarsely has refined. False if too few micro images are measurable.
+bool RefineByProfile(const ImageF& image, GridFit* fit) {
+  for (int pass = 0; pass < 5; ++pass) {
+    const std::vector<MeasuredCenter> measured = MeasureByProfile(image, fit->grid);
+    if (measured.size() < kMinLenses) return false;
+    const MicroLensGrid before = fit->grid;
+    fit->rms_px = FitSimilarity(measured, image.width(), image.height(), &fit->grid);
+    fit->lenses = static_cast<int>(measured.size());
+    if (LargestChange(before, fit->grid, image.width(), image.height()) < 0.002) break;
+  }
+  return true;
 }
 
 }  // namespace
@@ -158,19 +128,15 @@ std::optional<GridFit> RefineGrid(const ImageF& image, const MicroLensGrid& star
   fit.grid = start;
   MicroLensGrid flipped = start;
   flipped.rotation *= -1;
-  if (Contrast(image, flipped) > Contrast(image, start)) {
-    fit.grid = flipped;
-    fit.rotation_flipped = start.rotation != 0;
-  }
-  const std::optional<double> rms = Refine(image, 1e9, &fit.grid, &fit.lenses);
-  if (!rms) return std::nullopt;
-  fit.rms_px = *rms;
+  if (Contrast(image, flipped) > Contrast(image, start)) fit.grid = flipped;
+  const std::optional<double> rms = RefineCoarsely(image, 1e9, &fit.grid);
+  if (!rms || !RefineByProfile(image, &fit)) return std::nullopt;
   fit.contrast = Contrast(image, fit.grid);
-  for (const LensIndex& lens : LensesWithin(fit.grid, image.width(), image.height(), 1e9)) {
-    const Eigen::Vector2d moved = fit.grid.MicroImageCenter(lens, image.width(), image.height()) -
-                                  start.MicroImageCenter(lens, image.width(), image.height());
-    fit.max_change_px = std::max(fit.max_change_px, moved.norm());
-  }
+  fit.max_change_px = LargestChange(start, fit.grid, image.width(), image.height());
+  const double half_size = 0.5 * std::max(image.width(), image.height());
+  fit.rotation_flipped =
+      std::abs(start.rotation) * half_size > 0.5 &&
+      std::abs(fit.grid.rotation + start.rotation) < std::abs(fit.grid.rotation - start.rotation);
   return fit;
 }
 
@@ -278,14 +244,11 @@ std::optional<GridFit> EstimateGrid(const ImageF& white) {
     angle -= angle > 0 ? M_PI / 6 : -M_PI / 6;
   }
   fit.grid.rotation = angle;
-  const MicroLensGrid start = fit.grid;
-  std::optional<double> rms;
   for (double region = size / 2.0;; region *= 2) {
-    rms = Refine(white, region, &fit.grid, &fit.lenses);
-    if (!rms) return std::nullopt;
+    if (!RefineCoarsely(white, region, &fit.grid)) return std::nullopt;
     if (region > std::max(white.width(), white.height())) break;
   }
-  fit.rms_px = *rms;
+  if (!RefineByProfile(white, &fit)) return std::nullopt;
   fit.contrast = Contrast(white, fit.grid);
   return fit;
 }

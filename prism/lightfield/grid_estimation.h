@@ -18,15 +18,15 @@ struct GridFit {
   int lenses = 0;                 // micro images measured
   double rms_px = 0;              // of a measured centre about the grid, after robust weighting
   double max_change_px = 0;       // largest move of a centre against the start, over the image
-  bool rotation_flipped = false;  // the start's residual rotation had the other sign
+  bool rotation_flipped = false;  // nearer to the opposite of the start's residual rotation
   double contrast = 0;  // (mean at centres - mean at the corners between three lenses) over the sum
 };
 
-// Fits pitch, rotation and offset of `start` to an image: each micro image's centroid is iterated
-// within a disc of 0.45 pitch, the grid fitted to all centroids robustly. The white image gives
-// some 0.01 px; a mean of raw frames, whose dark gaps show the grid too, some 0.2 px. Both signs of
-// the residual rotation are tried. The start must be right to a third of the pitch at the corners.
-// Nothing if there are fewer than 20 whole micro images.
+// Fits pitch, rotation and offset of `start` to a white image or to a mean of raw frames whose gaps
+// between micro images are dark: robustly to the centroids of all micro images, then to their
+// shifts against their common profile (micro_image_centers.h). Either gives some 0.01 px. Both
+// signs of the residual rotation are tried. The start must be right to a third of the pitch at the
+// corners. Nothing if there are fewer than 20 whole micro images, or no profile to measure by.
 std::optional<GridFit> RefineGrid(const ImageF& image, const MicroLensGrid& start);
 
 // Finds a hexagonal grid in a white image from nothing: reciprocal lattice vectors by Fourier
