@@ -33,7 +33,9 @@ DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
 DEFINE_string(truth, "", "Folder with true inverse virtual depth, NNNNNN.png by frame number.");
 DEFINE_string(export_rgbd, "", "Folder for the pinhole view as TUM RGB-D; default: pinhole/.");
 DEFINE_double(crop_fov_deg, 0, "Field of view the pinhole view is cropped to; 0: not cropped.");
-DEFINE_bool(estimate_grid, false, "Only estimate the grid from --white_image, to --camera_out.");
+DEFINE_bool(estimate_grid,
+            false,
+            "Only find the grid in --white_image; --camera with it goes to --camera_out.");
 DEFINE_string(camera_out, "", "Camera file (native YAML) written by --estimate_grid.");
 DEFINE_int32(max_frames, 0, "Number of frames to process; 0: all.");
 DEFINE_int32(threads, 2, "Threads; the result does not depend on it.");
@@ -217,7 +219,9 @@ int main(int argc, char** argv) {
       {"prism_lightfield",
        "turns raw plenoptic frames into virtual depth, totally focused images and pinhole views.",
        "--raw=FOLDER --camera=FILE [--micro_lens_grid=FILE] [--white_image=FILE] "
-       "--output_dir=FOLDER",
+       "--output_dir=FOLDER\n"
+       "       prism_lightfield --estimate_grid --camera=FILE --white_image=FILE "
+       "--camera_out=FILE",
        "prism_lightfield --raw=house_raw --camera=house_raw/CameraModel.xml "
        "--micro_lens_grid=house_raw/MLA_Calibration.xml --output_dir=out/house"},
       argc,

@@ -3,6 +3,7 @@
 #include "tools/raw_input.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numeric>
 #include <utility>
@@ -15,8 +16,11 @@
 namespace prism {
 namespace {
 
-constexpr double kMaxRms = 0.05;      // of a micro-image centre, in pitches, on a white image
-constexpr double kMinContrast = 0.1;  // below that raw frames do not show the grid
+constexpr double kMaxRms = 0.05;  // of a micro-image centre, in pitches
+constexpr double kMinContrastOfWhite = 0.05;
+constexpr double kMinContrastOfFrames = 0.1;  // below that they do not show the grid
+// Relative. Refocusing the main lens moves the pitch by some 0.1 %; more is another camera's grid.
+constexpr double kMaxPitchChange = 0.003;
 
 RawPixels ReadPixels(const std::string& colour) {
   if (colour == "bayer_rggb") return RawPixels::kBayerRggb;
@@ -33,31 +37,46 @@ int ChannelsOf(const std::string& colour) {
   return colour == "auto" ? 0 : colour == "colour" ? 3 : 1;
 }
 
-void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
-  std::vector<cv::Mat> images;
+// Frames spread over the sequence: what they show differs.
+ImageF MeanRawFrame(const RawSequence& sequence) {
   constexpr int kMaxFrames = 6;
-  const int size = input->sequence->size();
+  const int count = std::min(sequence.size(), kMaxFrames);
+  std::vector<cv::Mat> images;
+  for (int i = 0; i < count; ++i) {
+    images.push_back(sequence.Read(i * sequence.size() / count).image);
+  }
+  return MeanImage(images);
+}
+
+[[noreturn]] void ThrowGridDoesNotFit(const std::string& grid_path,
+                                      const MicroLensGrid& grid,
+                                      const std::string& source,
+                                      const std::optional<GridFit>& seen) {
+  char found[128];
+  std::snprintf(found, sizeof(found), "a micro-lens pitch of %.4f px", grid.diameter_px);
+  char expected[128] = "the grid";
+  if (seen) {
+    std::snprintf(expected,
+                  sizeof(expected),
+                  "%.4f px to %.1f %%, the pitch",
+                  seen->grid.diameter_px,
+                  100 * kMaxPitchChange);
+  }
+  throw InputError(grid_path, found, std::string(expected) + " of the " + source);
+}
+
+void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
   const bool has_white = !input->white.empty();
-  if (has_white) {
-    images.push_back(input->white);
-  } else {
-    for (int i = 0; i < std::min(size, kMaxFrames); ++i) {
-      images.push_back(input->sequence->Read(i * size / std::min(size, kMaxFrames)).image);
-    }
-  }
+  const ImageF image = has_white ? MeanImage({input->white}) : MeanRawFrame(*input->sequence);
   MicroLensGrid& grid = *input->camera.micro_lens_grid;
-  const std::optional<GridFit> fit = RefineGrid(MeanImage(images), grid);
+  const std::optional<GridFit> fit =
+      has_white ? RefineGrid(image, grid) : RefineGridOnFrames(image, grid);
   const char* source = has_white ? "white image" : "raw frames";
+  const bool fits = fit && fit->rms_px < kMaxRms * grid.diameter_px &&
+                    fit->contrast > (has_white ? kMinContrastOfWhite : kMinContrastOfFrames);
+  if (!fits && has_white) ThrowGridDoesNotFit(grid_path, grid, source, EstimateGrid(image));
   char text[256];
-  if (has_white && (!fit || fit->rms_px > kMaxRms * grid.diameter_px || fit->contrast < 0.05)) {
-    std::snprintf(text,
-                  sizeof(text),
-                  "a pitch of %.4f px and micro images %.2f px (RMS) off the white image's",
-                  grid.diameter_px,
-                  fit ? fit->rms_px : 0.0);
-    throw InputError(grid_path, text, "the grid of the white image");
-  }
-  if (!fit || fit->contrast < kMinContrast || fit->rms_px > kMaxRms * grid.diameter_px) {
+  if (!fits) {
     std::snprintf(text,
                   sizeof(text),
                   "micro-lens grid kept as it is: the %s do not show it well enough to refine it "
@@ -67,6 +86,9 @@ void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
                   fit ? fit->rms_px : 0.0);
     input->grid_report = text;
     return;
+  }
+  if (std::abs(fit->grid.diameter_px / grid.diameter_px - 1) > kMaxPitchChange) {
+    ThrowGridDoesNotFit(grid_path, grid, source, fit);
   }
   std::snprintf(text,
                 sizeof(text),

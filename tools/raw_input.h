@@ -31,7 +31,7 @@ struct RawInput {
   std::string grid_report;    // what the refinement of the grid found, one line
 };
 
-// Opens a raw sequence. A grid is refined on the white image, or on the first frames where there is
+// Opens a raw sequence. A grid is refined on the white image, or on some frames where there is
 // none. `auto` takes images of one channel as gray and others as colour. Throws InputError, also
 // for a grid whose pitch does not fit the white image and for an unknown colour.
 RawInput OpenRawInput(const RawInputOptions& options);

@@ -97,46 +97,79 @@ double Contrast(const ImageF& image, const MicroLensGrid& grid) {
 
 constexpr size_t kMinLenses = 20;
 
-// By centroids; RMS.
-std::optional<double> RefineCoarsely(const ImageF& image, double region, MicroLensGrid* grid) {
-  double rms = 0;
-  for (int pass = 0; pass < 3; ++pass) {
-    const std::vector<MeasuredCenter> measured = MeasureCentroids(image, *grid, region);
-    if (measured.size() < kMinLenses) return std::nullopt;
-    rms = FitSimilarity(measured, image.width(), image.height(), grid);
-  }
-  return rms;
+// The image over its mean around each pixel: without the shading from the middle to the corners,
+// which moves centroids.
+ImageF Flatten(const ImageF& image, double pitch) {
+  const cv::Size size(image.width(), image.height());
+  const cv::Mat pixels(size, CV_32F, const_cast<float*>(image.data()));
+  cv::Mat mean, weight;
+  cv::GaussianBlur(pixels, mean, {}, 0.5 * pitch, 0.5 * pitch, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(cv::Mat(size, CV_32F, cv::Scalar(1)),
+                   weight,
+                   {},
+                   0.5 * pitch,
+                   0.5 * pitch,
+                   cv::BORDER_CONSTANT);
+  ImageF flat(image.width(), image.height(), 0);
+  cv::Mat target(size, CV_32F, flat.data());
+  cv::divide(pixels.mul(weight), cv::max(mean, 1e-3), target);
+  return flat;
 }
 
-// Of a grid that RefineCoarsely has refined. False if too few micro images are measurable.
-bool RefineByProfile(const ImageF& image, GridFit* fit) {
-  for (int pass = 0; pass < 5; ++pass) {
-    const std::vector<MeasuredCenter> measured = MeasureByProfile(image, fit->grid);
+// False if too few micro images are whole.
+bool RefineByCentroids(const ImageF& flat, double region, GridFit* fit) {
+  for (int pass = 0; pass < 3; ++pass) {
+    const std::vector<MeasuredCenter> measured = MeasureCentroids(flat, fit->grid, region);
     if (measured.size() < kMinLenses) return false;
-    const MicroLensGrid before = fit->grid;
-    fit->rms_px = FitSimilarity(measured, image.width(), image.height(), &fit->grid);
+    fit->rms_px = FitSimilarity(measured, flat.width(), flat.height(), &fit->grid);
     fit->lenses = static_cast<int>(measured.size());
-    if (LargestChange(before, fit->grid, image.width(), image.height()) < 0.002) break;
   }
   return true;
 }
 
+// After RefineByCentroids. Changes nothing if too few micro images have rims to measure by.
+void RefineByProfile(const ImageF& image, GridFit* fit) {
+  GridFit refined = *fit;
+  for (int pass = 0; pass < 5; ++pass) {
+    const std::vector<MeasuredCenter> measured = MeasureByProfile(image, refined.grid);
+    if (measured.size() < kMinLenses || 2 * static_cast<int>(measured.size()) < fit->lenses) {
+      return;
+    }
+    const MicroLensGrid before = refined.grid;
+    refined.rms_px = FitSimilarity(measured, image.width(), image.height(), &refined.grid);
+    refined.lenses = static_cast<int>(measured.size());
+    if (LargestChange(before, refined.grid, image.width(), image.height()) < 0.002) break;
+  }
+  *fit = refined;
+}
+
+void CompareWithStart(const ImageF& image, const MicroLensGrid& start, GridFit* fit) {
+  fit->contrast = Contrast(image, fit->grid);
+  fit->max_change_px = LargestChange(start, fit->grid, image.width(), image.height());
+  const double half_size = 0.5 * std::max(image.width(), image.height());
+  fit->rotation_flipped =
+      std::abs(start.rotation) * half_size > 0.5 &&
+      std::abs(fit->grid.rotation + start.rotation) < std::abs(fit->grid.rotation - start.rotation);
+}
+
 }  // namespace
 
-std::optional<GridFit> RefineGrid(const ImageF& image, const MicroLensGrid& start) {
+std::optional<GridFit> RefineGrid(const ImageF& white, const MicroLensGrid& start) {
   GridFit fit;
   fit.grid = start;
   MicroLensGrid flipped = start;
   flipped.rotation *= -1;
-  if (Contrast(image, flipped) > Contrast(image, start)) fit.grid = flipped;
-  const std::optional<double> rms = RefineCoarsely(image, 1e9, &fit.grid);
-  if (!rms || !RefineByProfile(image, &fit)) return std::nullopt;
-  fit.contrast = Contrast(image, fit.grid);
-  fit.max_change_px = LargestChange(start, fit.grid, image.width(), image.height());
-  const double half_size = 0.5 * std::max(image.width(), image.height());
-  fit.rotation_flipped =
-      std::abs(start.rotation) * half_size > 0.5 &&
-      std::abs(fit.grid.rotation + start.rotation) < std::abs(fit.grid.rotation - start.rotation);
+  if (Contrast(white, flipped) > Contrast(white, start)) fit.grid = flipped;
+  if (!RefineByCentroids(Flatten(white, start.diameter_px), 1e9, &fit)) return std::nullopt;
+  CompareWithStart(white, start, &fit);
+  return fit;
+}
+
+std::optional<GridFit> RefineGridOnFrames(const ImageF& mean_frame, const MicroLensGrid& start) {
+  std::optional<GridFit> fit = RefineGrid(mean_frame, start);
+  if (!fit) return std::nullopt;
+  RefineByProfile(mean_frame, &*fit);
+  CompareWithStart(mean_frame, start, &*fit);
   return fit;
 }
 
@@ -244,11 +277,11 @@ std::optional<GridFit> EstimateGrid(const ImageF& white) {
     angle -= angle > 0 ? M_PI / 6 : -M_PI / 6;
   }
   fit.grid.rotation = angle;
+  const ImageF flat = Flatten(white, fit.grid.diameter_px);
   for (double region = size / 2.0;; region *= 2) {
-    if (!RefineCoarsely(white, region, &fit.grid)) return std::nullopt;
+    if (!RefineByCentroids(flat, region, &fit)) return std::nullopt;
     if (region > std::max(white.width(), white.height())) break;
   }
-  if (!RefineByProfile(white, &fit)) return std::nullopt;
   fit.contrast = Contrast(white, fit.grid);
   return fit;
 }

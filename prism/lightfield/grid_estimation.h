@@ -22,12 +22,16 @@ struct GridFit {
   double contrast = 0;  // (mean at centres - mean at the corners between three lenses) over the sum
 };
 
-// Fits pitch, rotation and offset of `start` to a white image or to a mean of raw frames whose gaps
-// between micro images are dark: robustly to the centroids of all micro images, then to their
-// shifts against their common profile (micro_image_centers.h). Either gives some 0.01 px. Both
-// signs of the residual rotation are tried. The start must be right to a third of the pitch at the
-// corners. Nothing if there are fewer than 20 whole micro images, or no profile to measure by.
-std::optional<GridFit> RefineGrid(const ImageF& image, const MicroLensGrid& start);
+// Fits pitch, rotation and offset of `start` to a white image, robustly to the centroids of all
+// micro images; some 0.01 px. Both signs of the residual rotation are tried. The start must be
+// right to a third of the pitch at the corners. Nothing if there are fewer than 20 whole micro
+// images.
+std::optional<GridFit> RefineGrid(const ImageF& white, const MicroLensGrid& start);
+
+// The same for a mean of raw frames. What the scene shows moves centroids; where the micro images
+// have rims or dark gaps between them, their shifts against their common profile replace them
+// (micro_image_centers.h): some 0.01 px again.
+std::optional<GridFit> RefineGridOnFrames(const ImageF& mean_frame, const MicroLensGrid& start);
 
 // Finds a hexagonal grid in a white image from nothing: reciprocal lattice vectors by Fourier
 // transform of the middle, then RefineGrid outwards. One lens type. Nothing if no hexagonal pattern

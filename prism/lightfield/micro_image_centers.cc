@@ -207,10 +207,15 @@ bool FitShift(const ImageF& log_image,
     ++count;
   });
   const Matrix5d inverse = H.inverse();
+  // Rims that are steep against the middle tell d from b; without, a gradient looks like a shift.
+  constexpr double kMaxInflation = 8;  // of the variance of d by b; 3 to 4 for real cameras
+  const Eigen::Matrix3d without_gradient = H.topLeftCorner<3, 3>().inverse();
+  const double inflation =
+      (inverse(0, 0) + inverse(1, 1)) / (without_gradient(0, 0) + without_gradient(1, 1));
   const Vector5d solution = inverse * b;
   const double residual = std::max(squares - solution.dot(b), 0.0) / count;
   const double variance = residual * (inverse(0, 0) + inverse(1, 1));
-  if (!(variance < 0.0625 * pitch * pitch)) return false;
+  if (!(variance < 0.0625 * pitch * pitch && inflation < kMaxInflation)) return false;
   Eigen::Vector2d d = solution.head<2>();
   const double longest = 0.13 * pitch;  // as far as the profile is about linear
   if (d.norm() > longest) d *= longest / d.norm();

@@ -31,7 +31,8 @@ std::vector<MeasuredCenter> MeasureCentroids(const ImageF& image,
 // centre is where the shading is symmetric) and a, b the brightness and gradient of what this one
 // shows; least squares gives d, and from its residual the weight. A scene that becomes brighter
 // across the lenses makes each micro image brighter across itself and so shifts its centroid, but
-// not d. Lenses whose d is uncertain by more than a quarter of the pitch are left out.
+// not d. Lenses whose d is uncertain by more than a quarter of the pitch, or hardly to be told from
+// b because the shading has no rim, are left out.
 std::vector<MeasuredCenter> MeasureByProfile(const ImageF& image, const MicroLensGrid& grid);
 
 // Indices of the lenses whose centres lie in the image and within `region` px of its centre along

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/lightfield/grid_estimation.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "test/lightfield/synthetic_frame.h"
@@ -28,6 +31,50 @@ ImageF White(const PlenopticCamera& camera) {
       camera, 0.3, [](double, double) { return 200; }, 3, true)});
 }
 
+// Darker towards the corners of the image, down to a quarter.
+ImageF ShadedWhite(const PlenopticCamera& camera) {
+  ImageF white = White(camera);
+  const double middle = 0.5 * (white.width() - 1);
+  for (int y = 0; y < white.height(); ++y) {
+    for (int x = 0; x < white.width(); ++x) {
+      const double squared = (x - middle) * (x - middle) + (y - middle) * (y - middle);
+      white(x, y) *= static_cast<float>(1 - 0.75 * squared / (2 * middle * middle));
+    }
+  }
+  return white;
+}
+
+// A frame of a scene that is brighter on the right and has edges, in micro images with soft rims
+// and dark gaps between them.
+ImageF FrameWithDarkGaps(const PlenopticCamera& camera) {
+  const auto scene = [](double X, double Y) {
+    const double edges = std::sin(0.05 * X + 0.02 * Y) > 0.3 ? 25 : 0;
+    return std::clamp(20 + 0.4 * X, 10.0, 220.0) + edges + 10 * std::sin(0.13 * Y);
+  };
+  ImageF frame = MeanImage({RenderPlane(camera, 0.3, scene, 2)});
+  const int size = frame.width();
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      const Eigen::Vector2d pixel(x, y);
+      const MicroLensGrid& grid = *camera.micro_lens_grid;
+      const double radius =
+          (pixel - grid.MicroImageCenter(grid.NearestLens(pixel, size, size), size, size)).norm();
+      frame(x, y) *= static_cast<float>(0.1 + 0.9 / (1 + std::exp((radius - 10.2) / 0.6)));
+    }
+  }
+  return frame;
+}
+
+PlenopticCamera CameraWithGrid(bool columns, double rotation) {
+  PlenopticCamera camera = SmallCamera(512);
+  if (columns) {
+    camera.micro_lens_grid->base_x = {0, 1};
+    camera.micro_lens_grid->base_y = {0.86602540378443864676, 0.5};
+  }
+  camera.micro_lens_grid->rotation = rotation;
+  return camera;
+}
+
 TEST(GridEstimation, FindsTheGridInAWhiteImageFromNothing) {
   const PlenopticCamera camera = SmallCamera(512);
   const auto fit = EstimateGrid(White(camera));
@@ -35,14 +82,42 @@ TEST(GridEstimation, FindsTheGridInAWhiteImageFromNothing) {
   EXPECT_LT(LargestDistance(*camera.micro_lens_grid, fit->grid, 512), 0.02);
 }
 
-TEST(GridEstimation, FindsColumns) {
-  PlenopticCamera camera = SmallCamera(512);
-  camera.micro_lens_grid->base_x = {0, 1};
-  camera.micro_lens_grid->base_y = {0.86602540378443864676, 0.5};
-  camera.micro_lens_grid->rotation = -0.003;
-  const auto fit = EstimateGrid(White(camera));
-  ASSERT_TRUE(fit);
-  EXPECT_LT(LargestDistance(*camera.micro_lens_grid, fit->grid, 512), 0.02);
+TEST(GridEstimation, FindsRowsAndColumnsTurnedEitherWayUnderShading) {
+  for (const bool columns : {false, true}) {
+    for (const double rotation : {-0.003, 0.0007, 0.02}) {
+      const PlenopticCamera camera = CameraWithGrid(columns, rotation);
+      const auto fit = EstimateGrid(ShadedWhite(camera));
+      ASSERT_TRUE(fit) << "columns " << columns << ", rotation " << rotation;
+      EXPECT_LT(LargestDistance(*camera.micro_lens_grid, fit->grid, 512), 0.02)
+          << "columns " << columns << ", rotation " << rotation;
+    }
+  }
+}
+
+TEST(GridEstimation, WhatTheSceneShowsDoesNotMoveTheGrid) {
+  struct Start {
+    Eigen::Vector2d offset_px;
+    double rotation, pitch;
+  };
+  for (const bool columns : {false, true}) {
+    const PlenopticCamera camera = CameraWithGrid(columns, 0.002);
+    const ImageF frame = FrameWithDarkGaps(camera);
+    for (const Start& start : {Start{{0, 0}, 0, 1},
+                               Start{{2, -2}, 0.001, 1.0002},
+                               Start{{-2, 2}, -0.001, 0.9998},
+                               Start{{2, 2}, -0.004, 1}}) {
+      MicroLensGrid perturbed = *camera.micro_lens_grid;
+      perturbed.offset_px += start.offset_px;
+      perturbed.rotation += start.rotation;
+      perturbed.diameter_px *= start.pitch;
+      const auto fit = RefineGridOnFrames(frame, perturbed);
+      ASSERT_TRUE(fit);
+      EXPECT_LT(LargestDistance(*camera.micro_lens_grid, fit->grid, 512), 0.1)
+          << "columns " << columns << ", start " << start.offset_px.transpose() << " "
+          << start.rotation << " " << start.pitch;
+      EXPECT_EQ(fit->rotation_flipped, start.rotation == -0.004);
+    }
+  }
 }
 
 TEST(GridEstimation, RefinementCorrectsTheSignOfTheRotation) {
@@ -57,6 +132,8 @@ TEST(GridEstimation, RefinementCorrectsTheSignOfTheRotation) {
 
 TEST(GridEstimation, NoPatternGivesNothing) {
   EXPECT_FALSE(EstimateGrid(ImageF(256, 256, 100.0f)));
+  const auto fit = RefineGridOnFrames(ImageF(256, 256, 100.0f), *SmallCamera(256).micro_lens_grid);
+  EXPECT_TRUE(!fit || fit->contrast < 0.01);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include "prism/lightfield/lens_table.h"
 
 #include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -61,6 +64,64 @@ TEST(LensTable, ViewsFollowEquationsSixAndSevenAndTheirDerivative) {
       EXPECT_NEAR((moved[m].x - views[k].x) / 0.01, views[k].dx, 0.05);
       EXPECT_NEAR((moved[m].y - views[k].y) / 0.01, views[k].dy, 0.05);
     }
+  }
+}
+
+TEST(LensTable, NeighboursComeByBaselineAndAreMutual) {
+  const LensTable table(SmallCamera());
+  const auto& lenses = table.lenses();
+  const auto baseline = [&](int a, int b) {
+    return std::hypot(lenses[a].center_x - lenses[b].center_x,
+                      lenses[a].center_y - lenses[b].center_y);
+  };
+  const float longest = 3.1f * table.pitch_px();
+  for (int lens = 0; lens < static_cast<int>(lenses.size()); ++lens) {
+    const std::vector<int> neighbours = table.NeighboursOf(lens, longest);
+    int expected = 0;
+    for (int other = 0; other < static_cast<int>(lenses.size()); ++other) {
+      expected += other != lens && baseline(lens, other) <= longest;
+    }
+    EXPECT_EQ(static_cast<int>(neighbours.size()), expected) << "lens " << lens;
+    double previous = 0;
+    for (const int neighbour : neighbours) {
+      ASSERT_NE(neighbour, lens);
+      EXPECT_GE(baseline(lens, neighbour), previous - 1e-3) << lens << " to " << neighbour;
+      previous = baseline(lens, neighbour);
+      const std::vector<int> back = table.NeighboursOf(neighbour, longest);
+      EXPECT_EQ(std::count(back.begin(), back.end(), lens), 1) << lens << " to " << neighbour;
+    }
+  }
+}
+
+TEST(LensTable, LensesAroundHoldAllViewsOfTheirPoints) {
+  PlenopticCamera distorted = SmallCamera();
+  distorted.distortion.A0 = 2000;
+  for (const PlenopticCamera& camera : {SmallCamera(), distorted}) {
+    const LensTable table(camera);
+    std::mt19937_64 generator = SeededGenerator(3, 0);
+    std::uniform_real_distribution<float> position(5, 315), depth(0.1f, 0.48f), part(0, 1);
+    int views_checked = 0;
+    for (int trial = 0; trial < 2000; ++trial) {
+      const float X0 = position(generator);
+      const float X1 = X0 + 14 * part(generator);
+      const float Y = position(generator);
+      const float w0 = depth(generator);
+      const float w1 = std::min(w0 + 0.05f * part(generator), 0.5f);
+      constexpr int kMaxLenses = 400;
+      int around[kMaxLenses];
+      const int count = table.LensesAround(X0, X1, Y, w0, w1, 10, kMaxLenses, around);
+      LensView views[LensTable::kMaxViews];
+      const float X = X0 + (X1 - X0) * part(generator);
+      const float w = w0 + (w1 - w0) * part(generator);
+      const int view_count = table.ViewsOf(X, Y, w, 10, 1, views);
+      for (int k = 0; k < view_count; ++k) {
+        EXPECT_EQ(std::count(around, around + count, views[k].lens), 1)
+            << "trial " << trial << ": " << X << ", " << Y << ", 1/v = " << w << ", lens "
+            << views[k].lens << " among " << count;
+      }
+      views_checked += view_count;
+    }
+    EXPECT_GT(views_checked, 5000);
   }
 }
 

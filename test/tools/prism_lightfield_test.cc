@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "prism/io/atomic_file.h"
+#include "prism/io/camera_file.h"
+#include "test/lightfield/synthetic_frame.h"
+#include "test/tools/run_program.h"
+
+namespace prism {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+// A folder of one raw frame with its white image and camera, for each test to spoil.
+class PrismLightfieldTest : public ::testing::Test {
+ protected:
+  PrismLightfieldTest() : camera_(SmallCamera()) {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(::testing::TempDir()) / ("prism_lightfield_" + std::string(info->name()));
+    CreateDirectory(folder_.string());
+    WriteTextAtomically(Path("raw.txt"), "0.1 frame.png\n");
+    cv::imwrite(Path("frame.png"), RenderPlane(camera_, 0.3, WavyTexture, 1, true));
+    cv::imwrite(Path("white.png"),
+                RenderPlane(
+                    camera_, 0.3, [](double, double) { return 200; }, 1, true));
+    WriteNativeCamera(Path("camera.yaml"), camera_);
+  }
+  ~PrismLightfieldTest() override { fs::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  ProgramResult Run(const std::string& flags = "") const {
+    return RunProgram("prism_lightfield --raw=" + folder_.string() + " --camera=" +
+                      Path("camera.yaml") + " --output_dir=" + Path("out") + " " + flags);
+  }
+  void WriteCameraWithPitch(double pitch_px) const {
+    PlenopticCamera camera = camera_;
+    camera.micro_lens_grid->diameter_px = pitch_px;
+    WriteNativeCamera(Path("camera.yaml"), camera);
+  }
+
+  PlenopticCamera camera_;
+  fs::path folder_;
+};
+
+TEST_F(PrismLightfieldTest, RefinesTheGridAndSaysHow) {
+  const ProgramResult result = Run();
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("refined on the white image"));
+  fs::remove(Path("white.png"));
+  const ProgramResult without_white = Run();
+  EXPECT_EQ(without_white.exit_status, 0) << without_white.output;
+  EXPECT_THAT(without_white.output, HasSubstr("refined on the raw frames"));
+}
+
+TEST_F(PrismLightfieldTest, AGridOfAnotherPitchThanTheWhiteImageIsBadInput) {
+  for (const double pitch_px : {23.4, 24.0, 28.0}) {
+    WriteCameraWithPitch(pitch_px);
+    const ProgramResult result = Run();
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_THAT(result.output,
+                AllOf(HasSubstr("camera.yaml: found a micro-lens pitch of " +
+                                std::to_string(pitch_px).substr(0, 7)),
+                      HasSubstr("expected 23.2"),
+                      HasSubstr("pitch of the white image")));
+  }
+}
+
+TEST_F(PrismLightfieldTest, ABlackWhiteImageIsBadInput) {
+  cv::imwrite(Path("white.png"), cv::Mat(320, 320, CV_8UC1, cv::Scalar(0)));
+  const ProgramResult result = Run();
+  EXPECT_EQ(result.exit_status, 2) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("white.png: found a black image"));
+}
+
+TEST_F(PrismLightfieldTest, AFrameOfAnotherSizeIsBadInput) {
+  cv::imwrite(Path("frame.png"), cv::Mat(320, 300, CV_8UC1, cv::Scalar(90)));
+  const ProgramResult result = Run();
+  EXPECT_EQ(result.exit_status, 2) << result.output;
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr("frame.png"), HasSubstr("300 x 320"), HasSubstr("320 x 320")));
+}
+
+TEST_F(PrismLightfieldTest, InverseVirtualDepthOutsideItsRangeIsBadInput) {
+  for (const std::string flag : {"--max_inverse_virtual_depth=0.6",
+                                 "--min_inverse_virtual_depth=0",
+                                 "--min_inverse_virtual_depth=-0.1",
+                                 "--min_inverse_virtual_depth=0.49"}) {
+    const ProgramResult result = Run(flag);
+    EXPECT_EQ(result.exit_status, 2) << flag << "\n" << result.output;
+    EXPECT_THAT(result.output, HasSubstr("0.5")) << flag;
+  }
+}
+
+TEST_F(PrismLightfieldTest, EstimatesTheGridFromAWhiteImageAlone) {
+  PlenopticCamera without_grid = camera_;
+  without_grid.micro_lens_grid.reset();
+  WriteNativeCamera(Path("bare.yaml"), without_grid);
+  const ProgramResult result =
+      RunProgram("prism_lightfield --estimate_grid --camera=" + Path("bare.yaml") +
+                 " --white_image=" + Path("white.png") + " --camera_out=" + Path("found.yaml"));
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  const PlenopticCamera found = ReadPlenopticCamera(Path("found.yaml"));
+  ASSERT_TRUE(found.micro_lens_grid);
+  EXPECT_NEAR(found.micro_lens_grid->diameter_px, camera_.micro_lens_grid->diameter_px, 1e-3);
+  EXPECT_NEAR(found.micro_lens_grid->rotation, camera_.micro_lens_grid->rotation, 1e-4);
+}
+
+}  // namespace
+}  // namespace prism
