@@ -109,8 +109,16 @@ TEST_F(PrismLightfieldTest, EstimatesTheGridFromAWhiteImageAlone) {
   ASSERT_EQ(result.exit_status, 0) << result.output;
   const PlenopticCamera found = ReadPlenopticCamera(Path("found.yaml"));
   ASSERT_TRUE(found.micro_lens_grid);
-  EXPECT_NEAR(found.micro_lens_grid->diameter_px, camera_.micro_lens_grid->diameter_px, 1e-3);
-  EXPECT_NEAR(found.micro_lens_grid->rotation, camera_.micro_lens_grid->rotation, 1e-4);
+  const MicroLensGrid& grid = *camera_.micro_lens_grid;
+  for (double y = 10; y < 320; y += 20) {
+    for (double x = 10; x < 320; x += 20) {
+      const Eigen::Vector2d center =
+          grid.MicroImageCenter(grid.NearestLens({x, y}, 320, 320), 320, 320);
+      const Eigen::Vector2d other = found.micro_lens_grid->MicroImageCenter(
+          found.micro_lens_grid->NearestLens(center, 320, 320), 320, 320);
+      EXPECT_LT((center - other).norm(), 0.02) << "at " << center.transpose();
+    }
+  }
 }
 
 }  // namespace
