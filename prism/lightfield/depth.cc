@@ -9,41 +9,10 @@
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
 
-#include "prism/lightfield/focused_image.h"
+#include "prism/lightfield/defocus_match.h"
 #include "prism/lightfield/patch_kernel.h"
 
 namespace prism {
-
-// Which lens types of an array with several focal lengths are compared at 1/v = w, and how much
-// each is blurred so that all are equally blurred. Types whose defocus exceeds the sharpest's by
-// more than one pass of the filter can give are left out.
-class DefocusMatch {
- public:
-  DefocusMatch(const LensTable& lenses, float w) {
-    const std::vector<float>& focus = lenses.focus_of_type();
-    const int types = static_cast<int>(focus.size());
-    float variance[kMaxTypes];
-    float least = 1e9f;
-    for (int type = 0; type < types; ++type) {
-      variance[type] = lenses.DefocusVariance() * (w - focus[type]) * (w - focus[type]);
-      least = std::min(least, variance[type]);
-    }
-    float most = least;
-    for (int type = 0; type < types; ++type) {
-      blend_[type] = variance[type] - least > kFilterVariance ? -1 : 0;
-      if (blend_[type] == 0) most = std::max(most, variance[type]);
-    }
-    for (int type = 0; type < types; ++type) {
-      if (blend_[type] == 0) blend_[type] = (most - variance[type]) / kFilterVariance;
-    }
-  }
-  bool Uses(int type) const { return blend_[type] >= 0; }
-  float Blend(int type) const { return blend_[type]; }  // of PreparedRaw::smoother, 0 to 1
-
- private:
-  static constexpr int kMaxTypes = 3;
-  float blend_[kMaxTypes];
-};
 
 namespace {
 
@@ -83,18 +52,17 @@ int SelectViews(
   return selected;
 }
 
-}  // namespace
-
 // Points the samples at the patches around the views.
-void DepthEstimator::PlaceSamples(const PreparedRaw& raw,
-                                  const DefocusMatch& match,
-                                  const LensView* views,
-                                  int count,
-                                  PatchSample* samples) const {
+void PlaceSamples(const PreparedRaw& raw,
+                  const LensTable& lenses,
+                  const DefocusMatch& match,
+                  const LensView* views,
+                  int count,
+                  PatchSample* samples) {
   const int stride = raw.smooth.width();
   for (int k = 0; k < count; ++k) {
     const LensView& view = views[k];
-    const Lens& lens = lenses_.lenses()[view.lens];
+    const Lens& lens = lenses.lenses()[view.lens];
     const int x0 = static_cast<int>(view.x);
     const int y0 = static_cast<int>(view.y);
     const std::ptrdiff_t start =
@@ -111,6 +79,8 @@ void DepthEstimator::PlaceSamples(const PreparedRaw& raw,
                   static_cast<float>(lens.colour + 1)};
   }
 }
+
+}  // namespace
 
 bool DepthOptions::IsValid(std::string* error) const {
   if (!(min_inverse_virtual_depth > 0 && min_inverse_virtual_depth < max_inverse_virtual_depth &&
@@ -200,7 +170,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   LensView views[LensTable::kMaxViews];
   Samples samples;
   const float noise = static_cast<float>(noise_) * kSmoothNoise;
-  const DefocusMatch match(lenses_, w);
+  const DefocusMatch match(lenses_.focus_of_type(), lenses_.DefocusVariance(), w);
   const int seen = lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 1, kMargin, views);
   const int count = SelectViews(lenses_, match, kMaxRefined, seen, views);
   if (count < 2) return {};
@@ -209,7 +179,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   PatchSums sums{};
   float cost = 0;
   for (int iteration = 1;; ++iteration) {
-    PlaceSamples(raw, match, views, count, samples.data());
+    PlaceSamples(raw, lenses_, match, views, count, samples.data());
     sums = SumPatches(samples.data(), count, raw.smooth.width());
     if (!(sums.hessian > 0)) return {};
     const float step = std::clamp(-sums.gradient / sums.hessian, -max_step, max_step);
@@ -275,11 +245,11 @@ DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X
   for (int h = 0; h < count_w; ++h) {
     const float w = min_w + step * static_cast<float>(h);
     cost[h] = 1e30f;
-    const DefocusMatch match(lenses_, w);
+    const DefocusMatch match(lenses_.focus_of_type(), lenses_.DefocusVariance(), w);
     const int seen = lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 2, kMargin, views);
     const int count = SelectViews(lenses_, match, kMaxSearched, seen, views);
     if (count < 2) continue;
-    PlaceSamples(raw, match, views, count, samples.data());
+    PlaceSamples(raw, lenses_, match, views, count, samples.data());
     const PatchSums sums = SumPatchCosts(samples.data(), count, raw.smooth.width());
     if (sums.freedom < 4) continue;
     cost[h] = sums.cost / sums.freedom;

@@ -13,9 +13,6 @@
 
 namespace prism {
 
-class DefocusMatch;
-struct PatchSample;
-
 struct DepthOptions {
   double min_inverse_virtual_depth = 0.10;  // 1/v searched from
   double max_inverse_virtual_depth = 0.48;  // to; at most 0.5
@@ -82,11 +79,6 @@ class DepthEstimator {
   };
 
   void MeasureTexture(const PreparedRaw& raw);
-  void PlaceSamples(const PreparedRaw& raw,
-                    const DefocusMatch& match,
-                    const LensView* views,
-                    int count,
-                    PatchSample* samples) const;
   Estimated Search(const PreparedRaw& raw, float X, float Y) const;
   Estimated Refine(const PreparedRaw& raw, float X, float Y, float w, int iterations) const;
   Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
