@@ -13,7 +13,7 @@ namespace prism {
 DefocusMatch::DefocusMatch(const std::vector<float>& focus, float defocus_variance, float w) {
   const int types = static_cast<int>(focus.size());
   DCHECK_LE(types, kMaxTypes);
-  float variance[kMaxTypes];
+  float variance[kMaxTypes] = {};
   for (int type = 0; type < types; ++type) {
     variance[type] = defocus_variance * (w - focus[type]) * (w - focus[type]);
   }
