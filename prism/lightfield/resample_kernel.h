@@ -18,10 +18,10 @@ struct VirtualPointRun {
 
 // Adds to `sum` and `weight` of each point of the run what one lens sees of it: its raw image,
 // bilinear, at x_R = (X - c_ML) w + c_ML (Eqs. (6)-(7)), weighted by sharpness[i]
-// (1 - (r / radius)^2)^2 with r the distance from the micro-image centre, and by 0.001 more where
-// `colours` at the pixel is not the lens' (masked pixels count where nothing else is seen). Nothing
-// is added beyond the radius or the image. Vectorised, best instruction set at run time. `sum`,
-// `weight` and `sharpness` have kResampleLanes elements, aligned to 64 bytes.
+// (1.001 - (r / radius)^2)^2 with r the distance from the micro-image centre, and by a thousandth
+// of that where `colours` at the pixel is not the lens' (masked pixels count where nothing else is
+// seen). Nothing is added beyond the radius or the image. Vectorised, best instruction set at run
+// time. `sum`, `weight` and `sharpness` have kResampleLanes elements, aligned to 64 bytes.
 void ResampleLens(const Lens& lens,
                   const ImageF& raw,
                   const ImageF& colours,
