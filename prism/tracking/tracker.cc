@@ -26,13 +26,14 @@ SE3 Half(const SE3& motion) { return SE3::Exp(0.5 * motion.Log()); }
 bool TrackerOptions::IsValid(std::string* error) const {
   if (!alignment.IsValid(error)) return false;
   if (retry_rms_ratio >= 1 && max_rms_ratio >= retry_rms_ratio && min_rms_gradient >= 0 &&
-      max_outlier_fraction > 0 && retry_steps >= 0 && retry_step > 0 && max_retries >= 1) {
+      max_outlier_fraction > 0 && max_start_outlier_fraction > 0 && retry_steps >= 0 &&
+      retry_step > 0 && max_retries >= 1) {
     return true;
   }
   *error =
-      "tracking needs RMS ratios of 1 or more, a gradient of 0 or more, a positive outlier "
-      "fraction "
-      "and retry step and a retry or more";
+      "tracking needs RMS ratios of 1 or more, a gradient of 0 or more, positive outlier "
+      "fractions, "
+      "a positive retry step and a retry or more";
   return false;
 }
 
@@ -168,7 +169,7 @@ TrackingResult Tracker::TryStarts(const ImagePyramid& target) const {
 }
 
 bool Tracker::IsCredible(const FrameAlignmentResult& alignment) const {
-  if (!KnowsFit() && alignment.outlier_fraction > options_.max_outlier_fraction) return false;
+  if (!KnowsFit() && alignment.outlier_fraction > options_.max_start_outlier_fraction) return false;
   return recent_rms_.empty() || alignment.rms < options_.max_rms_ratio * TypicalRms();
 }
 

@@ -15,9 +15,10 @@ struct TrackerOptions {
   double retry_rms_ratio = 1.5;
   // A fit worse than this times the typical one is no match, however it came about.
   double max_rms_ratio = 2.5;
-  // Other starts are tried, too, when more of the samples than this are outliers; while no RMS is
-  // typical yet, such a fit is no match.
+  // Other starts are tried, too, when more of the samples than this are outliers.
   double max_outlier_fraction = 0.15;
+  // While no RMS is typical yet, a fit with more outliers than this is no match.
+  double max_start_outlier_fraction = 0.25;
   // Fits are never compared with a better one than this, intensities 0 to 255.
   double min_typical_rms = 5;
   // A frame whose root mean squared gradient is below this shows nothing; 0 to 255 a px.
