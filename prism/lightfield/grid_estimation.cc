@@ -97,31 +97,12 @@ double Contrast(const ImageF& image, const MicroLensGrid& grid) {
 
 constexpr size_t kMinLenses = 20;
 
-// The image over its mean around each pixel: without the shading from the middle to the corners,
-// which moves centroids.
-ImageF Flatten(const ImageF& image, double pitch) {
-  const cv::Size size(image.width(), image.height());
-  const cv::Mat pixels(size, CV_32F, const_cast<float*>(image.data()));
-  cv::Mat mean, weight;
-  cv::GaussianBlur(pixels, mean, {}, 0.5 * pitch, 0.5 * pitch, cv::BORDER_CONSTANT);
-  cv::GaussianBlur(cv::Mat(size, CV_32F, cv::Scalar(1)),
-                   weight,
-                   {},
-                   0.5 * pitch,
-                   0.5 * pitch,
-                   cv::BORDER_CONSTANT);
-  ImageF flat(image.width(), image.height(), 0);
-  cv::Mat target(size, CV_32F, flat.data());
-  cv::divide(pixels.mul(weight), cv::max(mean, 1e-3), target);
-  return flat;
-}
-
 // False if too few micro images are whole.
-bool RefineByCentroids(const ImageF& flat, double region, GridFit* fit) {
+bool RefineByCentroids(const ImageF& image, double region, GridFit* fit) {
   for (int pass = 0; pass < 3; ++pass) {
-    const std::vector<MeasuredCenter> measured = MeasureCentroids(flat, fit->grid, region);
+    const std::vector<MeasuredCenter> measured = MeasureCentroids(image, fit->grid, region);
     if (measured.size() < kMinLenses) return false;
-    fit->rms_px = FitSimilarity(measured, flat.width(), flat.height(), &fit->grid);
+    fit->rms_px = FitSimilarity(measured, image.width(), image.height(), &fit->grid);
     fit->lenses = static_cast<int>(measured.size());
   }
   return true;
@@ -160,7 +141,7 @@ std::optional<GridFit> RefineGrid(const ImageF& white, const MicroLensGrid& star
   MicroLensGrid flipped = start;
   flipped.rotation *= -1;
   if (Contrast(white, flipped) > Contrast(white, start)) fit.grid = flipped;
-  if (!RefineByCentroids(Flatten(white, start.diameter_px), 1e9, &fit)) return std::nullopt;
+  if (!RefineByCentroids(white, 1e9, &fit)) return std::nullopt;
   CompareWithStart(white, start, &fit);
   return fit;
 }
@@ -277,9 +258,8 @@ std::optional<GridFit> EstimateGrid(const ImageF& white) {
     angle -= angle > 0 ? M_PI / 6 : -M_PI / 6;
   }
   fit.grid.rotation = angle;
-  const ImageF flat = Flatten(white, fit.grid.diameter_px);
   for (double region = size / 2.0;; region *= 2) {
-    if (!RefineByCentroids(flat, region, &fit)) return std::nullopt;
+    if (!RefineByCentroids(white, region, &fit)) return std::nullopt;
     if (region > std::max(white.width(), white.height())) break;
   }
   fit.contrast = Contrast(white, fit.grid);

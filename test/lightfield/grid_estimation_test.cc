@@ -31,13 +31,18 @@ ImageF White(const PlenopticCamera& camera) {
       camera, 0.3, [](double, double) { return 200; }, 3, true)});
 }
 
-// Darker towards the corners of the image, down to a quarter.
+// Micro images darker towards the corners of the sensor, down to a quarter, as natural vignetting
+// makes them: each as a whole, by its chief ray.
 ImageF ShadedWhite(const PlenopticCamera& camera) {
   ImageF white = White(camera);
-  const double middle = 0.5 * (white.width() - 1);
-  for (int y = 0; y < white.height(); ++y) {
-    for (int x = 0; x < white.width(); ++x) {
-      const double squared = (x - middle) * (x - middle) + (y - middle) * (y - middle);
+  const MicroLensGrid& grid = *camera.micro_lens_grid;
+  const int size = white.width();
+  const double middle = 0.5 * (size - 1);
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      const Eigen::Vector2d center =
+          grid.MicroImageCenter(grid.NearestLens({x, y}, size, size), size, size);
+      const double squared = (center.array() - middle).square().sum();
       white(x, y) *= static_cast<float>(1 - 0.75 * squared / (2 * middle * middle));
     }
   }
