@@ -50,8 +50,7 @@ PlenopticOptics::PlenopticOptics(const PlenopticCamera& camera, const OpticsOpti
   micro_lens_radius_ = 0.5 * options.micro_lens_aperture * lens_pitch;
   main_lens_radius_ = 0.5 * options.main_lens_aperture * pitch * b_L0 / B;
   for (const MicroLensType& type : camera.micro_lens_grid->types) {
-    const double nearest = std::min(0.5, 1 / type.min_virtual_depth);
-    inverse_focus_.push_back(0.5 * (nearest + 1 / type.max_virtual_depth));
+    inverse_focus_.push_back(type.FocusInverseVirtualDepth());
   }
 }
 
