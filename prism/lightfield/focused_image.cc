@@ -10,14 +10,18 @@
 #include "prism/lightfield/resample_kernel.h"
 
 namespace prism {
+namespace {
+
+// How sharp a lens of the given type sees a point at w, 0.02 to 1: 1 inside the type's depth range.
 float TypeSharpness(const MicroLensGrid& grid, int type, float w) {
-  if (grid.types.size() == 1) return 1;
   const float low = static_cast<float>(1 / grid.types[type].max_virtual_depth);
   const float high = static_cast<float>(1 / grid.types[type].min_virtual_depth);
   const float outside = std::max({low - w, w - high, 0.0f});
   constexpr float kFade = 0.04f;  // in 1/v; a blur of about one pixel for a pitch of 23 px
   return std::max(1 / (1 + (outside / kFade) * (outside / kFade)), 0.02f);
 }
+
+}  // namespace
 
 void RenderFocusedImage(const PlenopticCamera& camera,
                         const LensTable& lenses,

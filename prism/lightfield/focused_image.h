@@ -19,7 +19,4 @@ void RenderFocusedImage(const PlenopticCamera& camera,
                         const ImageF& dense_inverse_virtual_depth,
                         ImageF* image);
 
-// How sharp a lens of the given type sees a point at w, 0.02 to 1: 1 inside the type's depth range.
-float TypeSharpness(const MicroLensGrid& grid, int type, float w);
-
 }  // namespace prism

@@ -123,19 +123,14 @@ LensTable::LensTable(const PlenopticCamera& camera)
 
 void LensTable::BuildColourMask() {
   colour_mask_ = Image<uint8_t>(width_, height_, 0);
-  const int reach = static_cast<int>(std::ceil(radius_px_));
   for (const Lens& lens : lenses_) {
-    const int x0 = static_cast<int>(std::lround(lens.image_x));
-    const int y0 = static_cast<int>(std::lround(lens.image_y));
-    for (int y = std::max(y0 - reach, 0); y <= std::min(y0 + reach, height_ - 1); ++y) {
-      for (int x = std::max(x0 - reach, 0); x <= std::min(x0 + reach, width_ - 1); ++x) {
-        const float dx = x - lens.image_x;
-        const float dy = y - lens.image_y;
-        if (dx * dx + dy * dy <= radius_px_ * radius_px_) {
-          colour_mask_(x, y) = static_cast<uint8_t>(lens.colour + 1);
-        }
+    ForEachPixelNear(lens, [&](int x, int y) {
+      const float dx = x - lens.image_x;
+      const float dy = y - lens.image_y;
+      if (dx * dx + dy * dy <= radius_px_ * radius_px_) {
+        colour_mask_(x, y) = static_cast<uint8_t>(lens.colour + 1);
       }
-    }
+    });
   }
 }
 

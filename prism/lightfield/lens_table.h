@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -61,6 +63,14 @@ class LensTable {
   // Colour + 1 of the lens whose micro image holds the pixel, 0 in the gaps between them.
   const Image<uint8_t>& colour_mask() const { return colour_mask_; }
 
+  // Calls visit(x, y) for the pixels of a lens' micro image, row by row.
+  template <typename Visit>
+  void ForEachPixel(const Lens& lens, const Visit& visit) const {
+    ForEachPixelNear(lens, [&](int x, int y) {
+      if (colour_mask_(x, y) == lens.colour + 1) visit(x, y);
+    });
+  }
+
   // Index of the lens nearest to a point on the chief-ray lattice, -1 outside the array.
   int NearestLens(float x_raw_px, float y_raw_px) const;
 
@@ -104,6 +114,18 @@ class LensTable {
   const std::vector<Offset>& OffsetsAround(const Eigen::Vector2f& chief, int* i, int* j) const;
   float cell_radius_px() const { return 0.87f / kCells * pitch_px_ + 1; }  // and 1 px of distortion
   void BuildColourMask();
+  // The pixels of the square around a micro image.
+  template <typename Visit>
+  void ForEachPixelNear(const Lens& lens, const Visit& visit) const {
+    const int reach = static_cast<int>(std::ceil(radius_px_));
+    const int x0 = static_cast<int>(std::lround(lens.image_x));
+    const int y0 = static_cast<int>(std::lround(lens.image_y));
+    for (int y = std::max(y0 - reach, 0); y <= std::min(y0 + reach, height_ - 1); ++y) {
+      for (int x = std::max(x0 - reach, 0); x <= std::min(x0 + reach, width_ - 1); ++x) {
+        visit(x, y);
+      }
+    }
+  }
 
   int width_, height_;
   float radius_px_, pitch_px_;

@@ -55,7 +55,6 @@ float InterpolateCubic(const ImageF& image, float x, float y) {
 // micro-image centre. Types differ in the width of their penumbra.
 ImageF AverageOverNeighbours(const LensTable& lenses, const ImageF& white) {
   ImageF mean(white.width(), white.height(), 0);
-  const int reach = static_cast<int>(std::ceil(lenses.radius_px()));
   const int lens_count = static_cast<int>(lenses.lenses().size());
   constexpr float kReach = 1.8f;  // pitches; with three types the nearest alike are 1.73 away
   constexpr size_t kAveraged = 7;
@@ -67,38 +66,20 @@ ImageF AverageOverNeighbours(const LensTable& lenses, const ImageF& white) {
         alike.push_back(&lenses.lenses()[other]);
       }
     }
-    const int x0 = static_cast<int>(std::lround(lens.image_x));
-    const int y0 = static_cast<int>(std::lround(lens.image_y));
-    for (int y = std::max(y0 - reach, 0); y <= std::min(y0 + reach, white.height() - 1); ++y) {
-      for (int x = std::max(x0 - reach, 0); x <= std::min(x0 + reach, white.width() - 1); ++x) {
-        if (lenses.colour_mask()(x, y) != lens.colour + 1) continue;
-        float sum = 0;
-        int count = 0;
-        for (const Lens* other : alike) {
-          const float u = x - lens.image_x + other->image_x;
-          const float v = y - lens.image_y + other->image_y;
-          if (!white.view().Contains(u, v, 2)) continue;
-          sum += InterpolateCubic(white, u, v);
-          ++count;
-        }
-        mean(x, y) = count > 0 ? sum / static_cast<float>(count) : white(x, y);
+    lenses.ForEachPixel(lens, [&](int x, int y) {
+      float sum = 0;
+      int count = 0;
+      for (const Lens* other : alike) {
+        const float u = x - lens.image_x + other->image_x;
+        const float v = y - lens.image_y + other->image_y;
+        if (!white.view().Contains(u, v, 2)) continue;
+        sum += InterpolateCubic(white, u, v);
+        ++count;
       }
-    }
+      mean(x, y) = count > 0 ? sum / static_cast<float>(count) : white(x, y);
+    });
   });
   return mean;
-}
-
-// Calls visit(x, y) for the pixels of a micro image.
-template <typename Visit>
-void ForEachPixel(const LensTable& lenses, const Lens& lens, const Visit& visit) {
-  const int reach = static_cast<int>(std::ceil(lenses.radius_px()));
-  const int x0 = static_cast<int>(std::lround(lens.image_x));
-  const int y0 = static_cast<int>(std::lround(lens.image_y));
-  for (int y = std::max(y0 - reach, 0); y <= std::min(y0 + reach, lenses.height() - 1); ++y) {
-    for (int x = std::max(x0 - reach, 0); x <= std::min(x0 + reach, lenses.width() - 1); ++x) {
-      if (lenses.colour_mask()(x, y) == lens.colour + 1) visit(x, y);
-    }
-  }
 }
 
 // The value that `share` of all values are below.
@@ -188,11 +169,11 @@ void RawPreparation::MeasureVignetting(const ImageF& white) {
   tbb::parallel_for(size_t{0}, lenses_.lenses().size(), [&](size_t l) {
     const Lens& lens = lenses_.lenses()[l];
     std::vector<float> values;
-    ForEachPixel(lenses_, lens, [&](int x, int y) { values.push_back(white(x, y)); });
+    lenses_.ForEachPixel(lens, [&](int x, int y) { values.push_back(white(x, y)); });
     if (values.empty()) return;
     const float level = Percentile(kUnshaded, &values);
     if (level < kDarkLens * bright) return;
-    ForEachPixel(lenses_, lens, [&](int x, int y) {
+    lenses_.ForEachPixel(lens, [&](int x, int y) {
       if (white(x, y) >= most_shaded * level) gain_(x, y) = bright / white(x, y);
     });
   });

@@ -45,7 +45,6 @@ ReprojectionError MeasureReprojection(const PlenopticCamera& camera,
                                       double min_gradient) {
   const ImageF& image = frame.image[0];
   const float scale = static_cast<float>(camera.focused_scale);
-  const int reach = static_cast<int>(std::ceil(lenses.radius_px()));
   ReprojectionError error;
   double sum = 0;
   for (const Lens& lens : lenses.lenses()) {
@@ -53,40 +52,36 @@ ReprojectionError MeasureReprojection(const PlenopticCamera& camera,
     distortion << lens.axx, lens.axy, lens.ayx, lens.ayy;
     const Eigen::Matrix2f undistort = distortion.inverse();
     const Eigen::Vector2f center(lens.lens_x, lens.lens_y);
-    const int x0 = static_cast<int>(std::lround(lens.image_x));
-    const int y0 = static_cast<int>(std::lround(lens.image_y));
-    for (int y = std::max(y0 - reach, 0); y <= std::min(y0 + reach, lenses.height() - 1); ++y) {
-      for (int x = std::max(x0 - reach, 0); x <= std::min(x0 + reach, lenses.width() - 1); ++x) {
-        if (raw.lens_colour(x, y) != static_cast<float>(lens.colour + 1)) continue;
-        const Eigen::Vector2f from_image_center(static_cast<float>(x) - lens.image_x,
-                                                static_cast<float>(y) - lens.image_y);
-        const Eigen::Vector2f p =
-            Eigen::Vector2f(lens.center_x, lens.center_y) + undistort * from_image_center;
-        float w = kStartDepth;
-        Eigen::Vector2f focused = Eigen::Vector2f::Zero();
-        float last_step = 0;
-        for (int iteration = 0; iteration < kIterations; ++iteration) {
-          const Eigen::Vector2f X = (p - center) / w + center;
-          const Eigen::Vector2f next = (X.array() + 0.5f) / scale - 0.5f;
-          last_step = (next - focused).norm();
-          focused = next;
-          if (!image.view().Contains(focused.x(), focused.y(), 1)) break;
-          w = dense(static_cast<int>(std::lround(focused.x())),
-                    static_cast<int>(std::lround(focused.y())));
-        }
-        if (last_step > kMaxLastStep || !image.view().Contains(focused.x(), focused.y(), 1) ||
-            !IsSmooth(frame.inverse_virtual_depth,
-                      static_cast<int>(std::lround(focused.x())),
-                      static_cast<int>(std::lround(focused.y())))) {
-          continue;
-        }
-        const auto sample = InterpolateBilinear(image, focused.x(), focused.y());
-        if (std::hypot(sample.dx, sample.dy) < min_gradient) continue;
-        const double residual = raw.gray(x, y) - sample.value;
-        sum += residual * residual;
-        ++error.pixels;
+    lenses.ForEachPixel(lens, [&](int x, int y) {
+      if (raw.lens_colour(x, y) != static_cast<float>(lens.colour + 1)) return;
+      const Eigen::Vector2f from_image_center(static_cast<float>(x) - lens.image_x,
+                                              static_cast<float>(y) - lens.image_y);
+      const Eigen::Vector2f p =
+          Eigen::Vector2f(lens.center_x, lens.center_y) + undistort * from_image_center;
+      float w = kStartDepth;
+      Eigen::Vector2f focused = Eigen::Vector2f::Zero();
+      float last_step = 0;
+      for (int iteration = 0; iteration < kIterations; ++iteration) {
+        const Eigen::Vector2f X = (p - center) / w + center;
+        const Eigen::Vector2f next = (X.array() + 0.5f) / scale - 0.5f;
+        last_step = (next - focused).norm();
+        focused = next;
+        if (!image.view().Contains(focused.x(), focused.y(), 1)) break;
+        w = dense(static_cast<int>(std::lround(focused.x())),
+                  static_cast<int>(std::lround(focused.y())));
       }
-    }
+      if (last_step > kMaxLastStep || !image.view().Contains(focused.x(), focused.y(), 1) ||
+          !IsSmooth(frame.inverse_virtual_depth,
+                    static_cast<int>(std::lround(focused.x())),
+                    static_cast<int>(std::lround(focused.y())))) {
+        return;
+      }
+      const auto sample = InterpolateBilinear(image, focused.x(), focused.y());
+      if (std::hypot(sample.dx, sample.dy) < min_gradient) return;
+      const double residual = raw.gray(x, y) - sample.value;
+      sum += residual * residual;
+      ++error.pixels;
+    });
   }
   if (error.pixels > 0) error.rms = std::sqrt(sum / static_cast<double>(error.pixels));
   return error;
