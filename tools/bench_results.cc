@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "prism/base/error.h"
-#include "prism/base/stage_timer.h"
+#include "prism/base/statistics.h"
 #include "prism/eval/metrics.h"
 #include "prism/eval/metrics_json.h"
 #include "prism/io/atomic_file.h"

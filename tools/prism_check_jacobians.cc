@@ -10,9 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "prism/base/error.h"
+#include "prism/factors/default_terms.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
-#include "prism/residual/jacobian_check.h"
+#include "prism/verify/jacobian_check.h"
 #include "tools/tool_main.h"
 
 DEFINE_string(camera, "calib", "A plenoptic camera file, or a folder of them.");
@@ -35,22 +36,28 @@ std::vector<std::string> CameraFiles() {
   return files;
 }
 
-void Print(const std::string& file, const JacobianCheckResult& result, double tolerance) {
+void Print(const std::string& file,
+           const JacobianCheckResult& result,
+           const JacobianCheckOptions& options) {
   std::printf("\n%s: %d states\n", file.c_str(), result.valid_samples);
-  std::printf("  %-22s %-16s %14s %14s %14s\n",
+  std::printf("  %-32s %-24s %12s %12s %12s\n",
               "residual",
               "block",
               "vs autodiff",
               "vs numeric",
               "largest");
   for (const JacobianBlockCheck& block : result.blocks) {
-    std::printf("  %-22s %-16s %14.3g %14.3g %14.3g  %s\n",
+    char autodiff[32] = "-";
+    if (block.autodiff_error) {
+      std::snprintf(autodiff, sizeof(autodiff), "%.3g", *block.autodiff_error);
+    }
+    std::printf("  %-32s %-24s %12s %12.3g %12.3g  %s\n",
                 block.residual.c_str(),
                 block.block.c_str(),
-                block.autodiff_error,
+                autodiff,
                 block.numeric_error,
                 block.largest_element,
-                block.autodiff_error <= tolerance ? "agrees" : "DISAGREES");
+                Agrees(block, options) ? "agrees" : "DISAGREES");
   }
   std::printf("  d x'_V / d pose at (0.3, -0.2, 2.5) m as the supplement prints it:\n");
   std::printf("  %-8s %-14s %14s %14s %14s\n", "Eq.", "element", "true", "printed", "printed/true");
@@ -70,11 +77,11 @@ nlohmann::ordered_json ToJson(const std::string& file, const JacobianCheckResult
   json["states"] = result.valid_samples;
   json["agrees"] = result.agrees;
   for (const JacobianBlockCheck& block : result.blocks) {
-    json["blocks"].push_back({{"residual", block.residual},
-                              {"block", block.block},
-                              {"autodiff_error", block.autodiff_error},
-                              {"numeric_error", block.numeric_error},
-                              {"largest_element", block.largest_element}});
+    nlohmann::ordered_json entry = {{"residual", block.residual}, {"block", block.block}};
+    if (block.autodiff_error) entry["autodiff_error"] = *block.autodiff_error;
+    entry["numeric_error"] = block.numeric_error;
+    entry["largest_element"] = block.largest_element;
+    json["blocks"].push_back(std::move(entry));
   }
   for (const PrintedElement& element : result.printed) {
     json["printed"].push_back({{"equation", element.equation},
@@ -93,8 +100,9 @@ ExitStatus Run() {
   bool all_agree = true;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const std::string& file : CameraFiles()) {
-    const JacobianCheckResult result = CheckJacobians(ReadPlenopticCamera(file), options);
-    Print(file, result, options.tolerance);
+    const JacobianCheckResult result =
+        CheckJacobians(ReadPlenopticCamera(file), MakeDefaultTerms({}), options);
+    Print(file, result, options);
     json.push_back(ToJson(file, result));
     all_agree &= result.agrees;
   }

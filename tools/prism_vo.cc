@@ -87,14 +87,14 @@ OdometryOptions OptionsFromFlags() {
   OdometryOptions options;
   options.window.max_keyframes = FLAGS_window_keyframes;
   options.window.max_points = FLAGS_active_points;
-  options.window.max_iterations = FLAGS_iterations;
-  options.window.threads = FLAGS_threads;
+  options.window.solve.max_iterations = FLAGS_iterations;
+  options.window.solve.threads = FLAGS_threads;
   options.photometric_model_sigma = FLAGS_photometric_model_sigma;
-  options.window.depth_residual = FLAGS_depth_residual;
+  options.default_terms.depth_residual = FLAGS_depth_residual;
   options.window.marginalization_prior = FLAGS_marginalization_prior;
-  options.window.first_estimate_jacobians = FLAGS_first_estimate_jacobians;
-  options.window.affine_brightness = FLAGS_affine_brightness;
-  options.window.robust_loss = FLAGS_robust_loss;
+  options.window.graph.first_estimates = FLAGS_first_estimate_jacobians;
+  options.window.graph.affine_brightness = FLAGS_affine_brightness;
+  options.default_terms.robust_loss = FLAGS_robust_loss;
   options.tracker.alignment.affine_brightness = FLAGS_affine_brightness;
   options.tracker.alignment.robust = FLAGS_robust_loss;
   std::string error;
@@ -214,7 +214,7 @@ ExitStatus Run() {
   }
   record.wall_seconds = seconds();
   record.stages = odometry.timer().Summarize();
-  record.intensity_sigma = odometry.intensity_sigma();
+  record.intensity_sigma = odometry.window().noise.ResidualSigma();
 
   const Trajectory trajectory = odometry.FrameTrajectory();
   const auto write = [&](const std::string& name, const Trajectory& as_played) {

@@ -6,10 +6,28 @@
 
 #include <algorithm>
 
+#include "prism/base/statistics.h"
 #include "prism_git_revision.h"
 
 namespace prism {
 namespace {
+
+nlohmann::ordered_json KeyframeToJson(const KeyframeResult& keyframe) {
+  const SolveResult& solve = keyframe.optimization.solve;
+  nlohmann::ordered_json json = {{"usable", solve.usable},
+                                 {"converged", solve.converged},
+                                 {"iterations", solve.iterations},
+                                 {"initial_cost", solve.initial_cost},
+                                 {"final_cost", solve.final_cost},
+                                 {"points_dropped", keyframe.outliers.points_dropped}};
+  for (size_t i = 0; i < keyframe.optimization.terms.size(); ++i) {
+    const TermSummary& term = keyframe.optimization.terms[i];
+    json["terms"][term.name] = {{"factors", term.factors},
+                                {"variance_factor", term.variance_factor},
+                                {"outliers", keyframe.outliers.factors_rejected[i]}};
+  }
+  return json;
+}
 
 nlohmann::ordered_json FrameToJson(const FrameResult& frame) {
   nlohmann::ordered_json json;
@@ -23,10 +41,8 @@ nlohmann::ordered_json FrameToJson(const FrameResult& frame) {
   json["active_points"] = frame.active_points;
   json["brightness_a"] = frame.state.a();
   json["brightness_b"] = frame.state.b();
-  if (frame.optimization.iterations > 0) {
-    json["photometric_variance_factor"] = frame.optimization.variance_factors.photometric;
-    json["depth_variance_factor"] = frame.optimization.variance_factors.depth;
-  }
+  if (!frame.keyframe.optimization.terms.empty())
+    json["optimization"] = KeyframeToJson(frame.keyframe);
   return json;
 }
 
@@ -57,15 +73,17 @@ nlohmann::ordered_json CameraToJson(const std::string& path, const PlenopticCame
   return json;
 }
 
-// Median over the keyframes of a variance factor.
-double MedianFactor(const std::vector<FrameResult>& frames, double VarianceFactors::*factor) {
-  std::vector<double> values;
+// Median over the keyframes of each term's variance factor.
+std::map<std::string, double> MedianVarianceFactors(const std::vector<FrameResult>& frames) {
+  std::map<std::string, std::vector<double>> values;
   for (const FrameResult& frame : frames) {
-    if (frame.optimization.iterations > 0) {
-      values.push_back(frame.optimization.variance_factors.*factor);
+    for (const TermSummary& term : frame.keyframe.optimization.terms) {
+      if (term.factors > 0) values[term.name].push_back(term.variance_factor);
     }
   }
-  return Quantile(values, 0.5);
+  std::map<std::string, double> medians;
+  for (const auto& [term, factors] : values) medians[term] = Quantile(factors, 0.5);
+  return medians;
 }
 
 }  // namespace
@@ -114,8 +132,7 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["wall_seconds"] = record.wall_seconds;
   json["frames_per_second"] = static_cast<double>(record.frames.size()) / record.wall_seconds;
   json["peak_resident_mib"] = PeakResidentMib();
-  json["photometric_variance_factor"] = MedianFactor(record.frames, &VarianceFactors::photometric);
-  json["depth_variance_factor"] = MedianFactor(record.frames, &VarianceFactors::depth);
+  json["variance_factors"] = MedianVarianceFactors(record.frames);  // by term
   json["intensity_sigma"] = record.intensity_sigma;
   json["segments"] = SegmentsToJson(record.frames);
   for (const auto& [stage, summary] : record.stages) {

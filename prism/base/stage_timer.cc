@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/base/stage_timer.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
+
+#include "prism/base/statistics.h"
 
 namespace prism {
 
@@ -32,14 +32,6 @@ std::map<std::string, StageTimer::Summary> StageTimer::Summarize() const {
     summary.total_ms = std::accumulate(durations.begin(), durations.end(), 0.0);
   }
   return summaries;
-}
-
-double Quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const double rank = std::ceil(q * static_cast<double>(values.size())) - 1;
-  const size_t index = static_cast<size_t>(std::max(0.0, rank));
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(index), values.end());
-  return values[index];
 }
 
 }  // namespace prism

@@ -42,7 +42,4 @@ class StageTimer {
   std::map<std::string, std::vector<double>> durations_ms_;
 };
 
-// Value at quantile q in [0, 1] (nearest rank); 0 for an empty vector.
-double Quantile(std::vector<double> values, double q);
-
 }  // namespace prism

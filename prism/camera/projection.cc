@@ -35,14 +35,6 @@ double InverseDepthVariance(const PlenopticProjection& camera, double w, double 
   return drho_dw * drho_dw * w_variance;
 }
 
-double InverseVirtualDepthVariance(const PlenopticProjection& camera,
-                                   double rho,
-                                   double rho_variance) {
-  double dw_drho;
-  InverseVirtualDepth(camera, rho, &dw_drho);
-  return dw_drho * dw_drho * rho_variance;
-}
-
 double InverseVirtualDepthAtInfinity(const PlenopticProjection& camera) {
   return camera.B / (camera.f - camera.b_L0);
 }
@@ -66,78 +58,33 @@ bool Project(const PlenopticProjection& camera,
   return true;
 }
 
-Eigen::Vector3d Unproject(const PlenopticProjection& camera, const Eigen::Vector3d& x_V) {
-  const double b_L = x_V.z() * camera.B + camera.b_L0;  // Eq. (4)
-  return UnprojectInverseDepth(camera, x_V.head<2>(), 1 / camera.f - 1 / b_L);
-}
-
 Eigen::Vector3d UnprojectInverseDepth(const PlenopticProjection& camera,
                                       const Eigen::Vector2d& x_V,
-                                      double rho,
-                                      Eigen::Vector3d* J_rho) {
+                                      double rho) {
   const Eigen::Vector2d m = (x_V - camera.c) * (camera.s / camera.f);
   const double z = 1 / rho;
-  if (J_rho != nullptr) *J_rho = -z * z * Eigen::Vector3d(m.x(), m.y(), 1);  // Eqs. (81)-(83)
   // Eq. (17) with z / b_L = z / f - 1.
   const double z_minus_f = z - camera.f;
   return {m.x() * z_minus_f, m.y() * z_minus_f, z};
 }
 
-Eigen::Matrix<double, 3, 6> PointPoseJacobian(const Eigen::Vector3d& x_C) {
-  Eigen::Matrix<double, 3, 6> J;
-  J << Eigen::Matrix3d::Identity(), -Skew(x_C);
-  return J;
-}
-
 bool ProjectBetweenFrames(const PlenopticProjection& camera,
                           const Eigen::Vector2d& host_px,
                           double rho,
-                          const SE3& target_from_host,
-                          Eigen::Vector3d* x_V_target,
-                          FrameProjectionJacobians* jacobians) {
-  const double f = camera.f;
-  if (!(rho * f < 1)) return false;
-  const Eigen::Vector2d m = (host_px - camera.c) * (camera.s / f);
-  const Eigen::Matrix3d R = target_from_host.RotationMatrix();
-  const Eigen::Vector3d t = target_from_host.translation();
-  // rho times Eq. (17) and Eq. (15); finite for rho = 0.
-  const Eigen::Vector3d ray(m.x() * (1 - rho * f), m.y() * (1 - rho * f), 1);
-  const Eigen::Vector3d X = R * ray + rho * t;
-  const double D = X.z() - rho * f;  // rho (z_C,j - f_L)
-  if (!(D > 0)) return false;
-  const double alpha = f / (camera.s * D);
-  const double b_L = f * X.z() / D;
-  *x_V_target << alpha * X.x() + camera.c.x(), alpha * X.y() + camera.c.y(),
-      (b_L - camera.b_L0) / camera.B;  // Eq. (19)
-  if (jacobians != nullptr) {
-    // Eq. (47) divided by rho, so that it multiplies derivatives of X.
-    const double beta = -f * f / (camera.B * D * D);
-    Eigen::Matrix3d J_x;
-    J_x << alpha, 0, -alpha * X.x() / D,  //
-        0, alpha, -alpha * X.y() / D,     //
-        0, 0, beta * rho;
-    // rho d x_C,j / d delta, Eq. (52).
-    Eigen::Matrix<double, 3, 6> J_delta;
-    J_delta << rho * Eigen::Matrix3d::Identity(), -Skew(X);
-    jacobians->target_pose = J_x * J_delta;
-    jacobians->host_pose = -jacobians->target_pose * target_from_host.Adjoint();
-    // X = rho x_C, so rho dx_C/drho = dX/drho - X / rho = (t - f R [m; 0]) - X / rho; the
-    // projection does not change along X itself except through f: d/drho of (X, D) taken directly.
-    const Eigen::Vector3d dX = t - f * (R * Eigen::Vector3d(m.x(), m.y(), 0));
-    const double dD = dX.z() - f;
-    jacobians->rho << alpha * (dX.x() - X.x() * dD / D), alpha * (dX.y() - X.y() * dD / D),
-        f * (dX.z() - X.z() * dD / D) / (D * camera.B);  // Eq. (84)
-  }
+                          const RigidMotion& target_from_host,
+                          Eigen::Vector3d* x_V_target) {
+  if (!(rho * camera.f < 1)) return false;
+  const Eigen::Vector3d X =
+      target_from_host.R * ScaledRay(camera, host_px, rho) + rho * target_from_host.t;
+  ScaledProjection::Pixel pixel;
+  if (!ScaledProjection(camera).Project(X, rho, &pixel)) return false;
+  const double b_L = camera.f * X.z() / pixel.D;                    // Eq. (2)
+  *x_V_target << pixel.x, pixel.y, (b_L - camera.b_L0) / camera.B;  // Eq. (19)
   return true;
 }
 
-Eigen::Vector2d ProjectToRaw(const Eigen::Vector3d& x_V,
-                             const Eigen::Vector2d& c_ML,
-                             Eigen::Matrix<double, 2, 3>* J_x_V) {
-  const double w = 1 / x_V.z();
-  const Eigen::Vector2d offset = x_V.head<2>() - c_ML;
-  if (J_x_V != nullptr) *J_x_V << w, 0, -w * w * offset.x(), 0, w, -w * w * offset.y();
-  return offset * w + c_ML;
+Eigen::Vector2d ProjectToRaw(const Eigen::Vector3d& x_V, const Eigen::Vector2d& c_ML) {
+  return (x_V.head<2>() - c_ML) / x_V.z() + c_ML;
 }
 
 Eigen::Vector2d MicroLensCenter(const PlenopticCamera& camera, const Eigen::Vector2d& c_I_raw_px) {
@@ -165,11 +112,6 @@ Eigen::Vector2d RawFromFocused(const PlenopticCamera& camera, const Eigen::Vecto
 
 Eigen::Vector2d FocusedFromRaw(const PlenopticCamera& camera, const Eigen::Vector2d& raw_px) {
   return (raw_px.array() + 0.5) / camera.focused_scale - 0.5;
-}
-
-Eigen::Vector2d PinholeFromVirtual(const PlenopticProjection& camera, const Eigen::Vector3d& x_V) {
-  const double b_L = x_V.z() * camera.B + camera.b_L0;
-  return (x_V.head<2>() - camera.c) * ((2 * camera.B + camera.b_L0) / b_L) + camera.c;
 }
 
 Eigen::Vector2d VirtualFromPinhole(const PlenopticProjection& camera,

@@ -46,11 +46,8 @@ double InverseVirtualDepth(const PlenopticProjection& camera,
 // rho(w), Eq. (85); negative beyond infinity. Optional derivative. Precondition: w > 0.
 double InverseDepth(const PlenopticProjection& camera, double w, double* drho_dw = nullptr);
 
-// First-order propagation of a variance of w to a variance of rho and back.
+// First-order propagation of a variance of w to a variance of rho.
 double InverseDepthVariance(const PlenopticProjection& camera, double w, double w_variance);
-double InverseVirtualDepthVariance(const PlenopticProjection& camera,
-                                   double rho,
-                                   double rho_variance);
 
 // w of a point infinitely far, B / (f_L - b_L0).
 double InverseVirtualDepthAtInfinity(const PlenopticProjection& camera);
@@ -63,50 +60,92 @@ bool Project(const PlenopticProjection& camera,
              Eigen::Vector3d* x_V,
              Eigen::Matrix3d* J_x_C = nullptr);
 
-// Eq. (12), from the pixel and the virtual depth in x_V. Precondition: v > 0 and the point not at
-// infinity.
-Eigen::Vector3d Unproject(const PlenopticProjection& camera, const Eigen::Vector3d& x_V);
-
-// Eq. (17), from the pixel and the metric inverse depth, pixel held fixed. Optional derivative with
-// respect to rho (Eqs. (81)-(83) with R = I). Precondition: rho != 0.
+// Eqs. (12), (17), from the pixel and the metric inverse depth. Precondition: rho != 0.
 Eigen::Vector3d UnprojectInverseDepth(const PlenopticProjection& camera,
                                       const Eigen::Vector2d& x_V,
-                                      double rho,
-                                      Eigen::Vector3d* J_rho = nullptr);
+                                      double rho);
 
 // ---- one frame to another ----
+//
+// Points are carried from frame to frame times their inverse depth in the host frame,
+//   X = rho x_C,j = R (m (1 - rho f_L), 1) + rho t,   m = (x'_V,i - c) s / f_L
+// (Eqs. (15), (17) times rho), which stays finite for rho = 0.
 
-// d (Exp(delta) x_C) / d delta at 0, tangent [translation; rotation] (Eq. (52), without its zero
-// last row).
-Eigen::Matrix<double, 3, 6> PointPoseJacobian(const Eigen::Vector3d& x_C);
+// Eq. (17) times rho.
+inline Eigen::Vector3d ScaledRay(const PlenopticProjection& camera,
+                                 const Eigen::Vector2d& px,
+                                 double rho) {
+  const Eigen::Vector2d m = (px - camera.c) * (camera.s / camera.f);
+  const double k = 1 - rho * camera.f;
+  return {m.x() * k, m.y() * k, 1};
+}
 
-struct FrameProjectionJacobians {
-  // d x'_V,j over the target pose, cam_j_from_world <- Exp(delta) cam_j_from_world: Eq. (47) times
-  // Eq. (52) (not the misprinted Eq. (72)).
-  Eigen::Matrix<double, 3, 6> target_pose;
-  // The same over the host pose: minus the above times Ad(target_from_host).
-  Eigen::Matrix<double, 3, 6> host_pose;
-  // d x'_V,j / d rho_i, Eq. (84).
-  Eigen::Vector3d rho;
+// The pixel of Eq. (10) for a scaled point X, and its derivative: what window, tracker and epipolar
+// search project with. Made once for many points.
+class ScaledProjection {
+ public:
+  explicit ScaledProjection(const PlenopticProjection& camera)
+      : f_px_(camera.FocalLengthPx()), f_(camera.f), cx_(camera.c.x()), cy_(camera.c.y()) {}
+
+  struct Pixel {
+    double x, y;   // focused px
+    double D;      // rho (z_C - f_L)
+    double alpha;  // dx / dX.x = dy / dX.y, Eq. (73) times rho
+  };
+
+  // False at or inside the focal length.
+  bool Project(const Eigen::Vector3d& X, double rho, Pixel* pixel) const {
+    pixel->D = X.z() - rho * f_;
+    if (!(pixel->D > 0)) return false;
+    pixel->alpha = f_px_ / pixel->D;
+    pixel->x = pixel->alpha * X.x() + cx_;
+    pixel->y = pixel->alpha * X.y() + cy_;
+    return true;
+  }
+
+  // Derivative over X of a function of the pixel with gradient (gx, gy) there: (gx, gy) times the
+  // first two rows of Eq. (47).
+  static Eigen::Vector3d PullBack(const Pixel& pixel,
+                                  const Eigen::Vector3d& X,
+                                  double gx,
+                                  double gy) {
+    const double x = gx * pixel.alpha;
+    const double y = gy * pixel.alpha;
+    return {x, y, -(x * X.x() + y * X.y()) / pixel.D};
+  }
+
+  // The same over the target pose, [translation; rotation] on the left, given the derivative over X
+  // (Eq. (52): translation moves X by rho delta_t, rotation by delta_w x X).
+  static Vector6d OverPose(const Eigen::Vector3d& over_X, const Eigen::Vector3d& X, double rho) {
+    Vector6d J;
+    J << rho * over_X.x(), rho * over_X.y(), rho * over_X.z(),  //
+        X.y() * over_X.z() - X.z() * over_X.y(), X.z() * over_X.x() - X.x() * over_X.z(),
+        X.x() * over_X.y() - X.y() * over_X.x();
+    return J;
+  }
+
+  // The same over rho, given dX / drho (Eq. (84)); D depends on rho by itself as well.
+  double OverInverseDepth(const Eigen::Vector3d& over_X, const Eigen::Vector3d& dX_drho) const {
+    return over_X.x() * dX_drho.x() + over_X.y() * dX_drho.y() + over_X.z() * (dX_drho.z() - f_);
+  }
+
+ private:
+  double f_px_, f_, cx_, cy_;
 };
 
-// Pi_pl of Eqs. (18)-(19): pixel and inverse depth in the host frame to x'_V in the target frame.
-// Works for rho = 0 through the form of Eq. (19) multiplied by rho. False if the point is invalid
-// in either frame (at or inside the focal length).
+// Pi_pl of Eqs. (18)-(19): pixel and inverse depth in the host frame to x'_V in the target frame,
+// also for rho = 0. False if the point is invalid in either frame (at or inside the focal length).
 bool ProjectBetweenFrames(const PlenopticProjection& camera,
                           const Eigen::Vector2d& host_px,
                           double rho,
-                          const SE3& target_from_host,
-                          Eigen::Vector3d* x_V_target,
-                          FrameProjectionJacobians* jacobians = nullptr);
+                          const RigidMotion& target_from_host,
+                          Eigen::Vector3d* x_V_target);
 
 // ---- raw image ----
 
 // Eqs. (6)-(7): where the micro lens with centre c_ML images the virtual point (x'_V, y'_V, v);
-// position and centre in one unit and one origin. Optional Jacobian with respect to x_V.
-Eigen::Vector2d ProjectToRaw(const Eigen::Vector3d& x_V,
-                             const Eigen::Vector2d& c_ML,
-                             Eigen::Matrix<double, 2, 3>* J_x_V = nullptr);
+// position and centre in one unit and one origin.
+Eigen::Vector2d ProjectToRaw(const Eigen::Vector3d& x_V, const Eigen::Vector2d& c_ML);
 
 // Eq. (8): micro-lens centre of a micro-image centre (undistorted raw px), scaled about the
 // principal point; the same point if the camera does not adjust.
@@ -122,9 +161,8 @@ Eigen::Vector2d FocusedFromRaw(const PlenopticCamera& camera, const Eigen::Vecto
 
 // ---- pinhole view, supplement Section F ----
 
-// Eqs. (88)-(89): the pixel on the plane 2B behind the array that shows the virtual point; all in
-// focused px of the projection's level. Its inverse takes the metric inverse depth.
-Eigen::Vector2d PinholeFromVirtual(const PlenopticProjection& camera, const Eigen::Vector3d& x_V);
+// The inverse of Eqs. (88)-(89): the focused pixel that shows the point which a pixel on the plane
+// 2B behind the array shows; both in focused px of the projection's level.
 Eigen::Vector2d VirtualFromPinhole(const PlenopticProjection& camera,
                                    const Eigen::Vector2d& pinhole_px,
                                    double rho);

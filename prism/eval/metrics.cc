@@ -7,7 +7,7 @@
 
 #include <glog/logging.h>
 
-#include "prism/base/stage_timer.h"
+#include "prism/base/statistics.h"
 
 namespace prism {
 namespace {

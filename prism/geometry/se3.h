@@ -46,6 +46,16 @@ class SE3 {
   std::array<double, 7> params_;
 };
 
+// The same with its matrix at hand, for many points.
+struct RigidMotion {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+
+  RigidMotion() = default;
+  RigidMotion(const SE3& transform)  // NOLINT: one is as good as the other
+      : R(transform.RotationMatrix()), t(transform.translation()) {}
+};
+
 // Skew-symmetric matrix: Skew(a) b = a x b.
 Eigen::Matrix3d Skew(const Eigen::Vector3d& a);
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "prism/base/stage_timer.h"
+#include "prism/base/statistics.h"
 
 namespace prism {
 

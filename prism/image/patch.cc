@@ -10,13 +10,13 @@ namespace prism {
 
 bool MakePatch(const ImageViewF& host_image,
                const Eigen::Vector2d& px,
-               const PhotometricOptions& options,
-               PhotometricPatch* patch) {
+               PhotometricPatch* patch,
+               double gradient_constant) {
   if (!host_image.Contains(px.x(), px.y(), kPatternRadius + 1)) return false;
   const auto value = [&](double x, double y) {
     return InterpolateBilinear(host_image, x, y).value;
   };
-  const double c2 = options.gradient_constant * options.gradient_constant;
+  const double c2 = gradient_constant * gradient_constant;
   patch->px = px;
   for (int k = 0; k < kPatternSize; ++k) {
     const double x = px.x() + kPattern[k][0];
@@ -24,8 +24,7 @@ bool MakePatch(const ImageViewF& host_image,
     const double dx = 0.5 * (value(x + 1, y) - value(x - 1, y));
     const double dy = 0.5 * (value(x, y + 1) - value(x, y - 1));
     patch->intensity[k] = static_cast<float>(value(x, y));
-    patch->weight[k] =
-        static_cast<float>(std::sqrt(c2 / (c2 + dx * dx + dy * dy)) / options.intensity_sigma);
+    patch->weight[k] = static_cast<float>(std::sqrt(c2 / (c2 + dx * dx + dy * dy)));
   }
   return true;
 }

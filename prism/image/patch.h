@@ -20,19 +20,16 @@ inline constexpr int kPatternRadius = 2;  // px
 struct PhotometricPatch {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();  // centre, focused px
   std::array<float, kPatternSize> intensity{};   // I_i, 0 to 255
-  std::array<float, kPatternSize> weight{};      // factor of each residual, see MakePatch
+  std::array<float, kPatternSize> weight{};      // of each residual, 0 to 1, see MakePatch
 };
 
-struct PhotometricOptions {
-  double intensity_sigma = 4;     // standard deviation of a residual, 0 to 255
-  double gradient_constant = 50;  // c of DSO's weight c^2 / (c^2 + |gradient|^2); 0 to 255 a px
-};
-
-// Samples the host image and its weights: sqrt(c^2 / (c^2 + |gradient|^2)) / intensity_sigma.
-// False if the pattern does not fit into the image with one pixel to spare.
+// Samples the host image and the weights c / sqrt(c^2 + |gradient|^2) of DSO with c =
+// `gradient_constant` (0 to 255 a px). False if the pattern does not fit into the image with one
+// pixel to spare.
+inline constexpr double kGradientConstant = 50;
 bool MakePatch(const ImageViewF& host_image,
                const Eigen::Vector2d& px,
-               const PhotometricOptions& options,
-               PhotometricPatch* patch);
+               PhotometricPatch* patch,
+               double gradient_constant = kGradientConstant);
 
 }  // namespace prism

@@ -20,12 +20,10 @@ PinholeFrame MakePinholeView(const PlenopticCamera& camera,
   const ImageF& image = frame.image[0];
   CHECK_EQ(image.width(), projection.width);
   CHECK_EQ(dense_inverse_virtual_depth.size(), image.size());
-  const double plane = 2 * projection.B + projection.b_L0;
   PinholeFrame view{ImageF(image.width(), image.height(), 0),
                     ImageF(image.width(), image.height(), 0)};
   tbb::parallel_for(0, image.height(), [&](int y) {
     for (int x = 0; x < image.width(); ++x) {
-      const Eigen::Vector2d from_center = Eigen::Vector2d(x, y) - projection.c;
       Eigen::Vector2d x_V(x, y);
       constexpr int kIterations = 5;  // converges by a factor of |d scale / dx| r, about 0.1
       for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -33,7 +31,7 @@ PinholeFrame MakePinholeView(const PlenopticCamera& camera,
                                      std::clamp(x_V.y(), 0.0, image.height() - 1.0));
         const double w =
             InterpolateBilinear(dense_inverse_virtual_depth, inside.x(), inside.y()).value;
-        x_V = projection.c + from_center * ((projection.B / w + projection.b_L0) / plane);
+        x_V = VirtualFromPinhole(projection, {x, y}, InverseDepth(projection, w));
       }
       if (!image.view().Contains(x_V.x(), x_V.y())) continue;
       view.image(x, y) = InterpolateBilinear(image, x_V.x(), x_V.y()).value;

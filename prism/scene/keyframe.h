@@ -7,9 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "prism/camera/frame_state.h"
 #include "prism/image/patch.h"
 #include "prism/scene/frame.h"
+#include "prism/scene/frame_state.h"
+#include "prism/solver/block.h"
 
 namespace prism {
 
@@ -44,6 +45,7 @@ struct Keyframe {
   FrameState state;
   // Set once the frame shares the marginalisation prior: where its Jacobians are evaluated.
   std::optional<FrameState> first_estimate;
+  std::vector<StateBlock> states;  // of terms that add some to each keyframe
   std::vector<std::unique_ptr<Point>> points;
   std::vector<Candidate> candidates;
 };

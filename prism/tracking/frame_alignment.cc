@@ -47,40 +47,36 @@ class LevelProblem {
       g->setZero();
     }
     LevelCost cost;
-    const Eigen::Matrix3d R = state.target_from_reference.RotationMatrix();
-    const Eigen::Vector3d t = state.target_from_reference.translation();
-    const double gain = std::exp(state.a);
-    const double focal_length_px = camera_.FocalLengthPx();
+    const RelativeState relative{state.target_from_reference, std::exp(state.a), state.b};
+    const ScaledProjection projection(camera_);
     const double huber = options_.huber_threshold;
+    PixelResidual residual;
     for (const TrackingReference::Sample& sample : samples_) {
-      const Eigen::Vector3d X = R * sample.ray + sample.rho * t;
-      const double D = X.z() - sample.rho * camera_.f;
-      if (!(D > 0)) continue;
-      const double alpha = focal_length_px / D;
-      const double u = alpha * X.x() + camera_.c.x();
-      const double v = alpha * X.y() + camera_.c.y();
-      if (!image_.Contains(u, v, 1)) continue;
+      if (!EvaluatePixel(sample.pixel,
+                         sample.rho,
+                         relative,
+                         projection,
+                         camera_.f,
+                         image_,
+                         H != nullptr,
+                         &residual)) {
+        continue;
+      }
       ++cost.visible;
-      const InterpolatedValue target = InterpolateBilinear(image_, u, v);
-      const double r = target.value - gain * sample.intensity - state.b;
+      const double r = residual.value;
       const double magnitude = std::abs(r);
       if (magnitude > outlier_threshold_) {
-        cost.energy += sample.weight * RobustSquare(outlier_threshold_);
+        cost.energy += sample.pixel.weight * RobustSquare(outlier_threshold_);
         continue;
       }
       ++cost.inliers;
       cost.squared_error += r * r;
-      cost.energy += sample.weight * RobustSquare(magnitude);
+      cost.energy += sample.pixel.weight * RobustSquare(magnitude);
       if (H == nullptr) continue;
-      const double weight =
-          options_.robust && magnitude > huber ? sample.weight * huber / magnitude : sample.weight;
-      const double gx = target.dx * alpha;
-      const double gy = target.dy * alpha;
-      const double gz = -(gx * X.x() + gy * X.y()) / D;
-      Vector8d J;                                              // Eqs. (29), (47), (52)
-      J << sample.rho * gx, sample.rho * gy, sample.rho * gz,  //
-          X.y() * gz - X.z() * gy, X.z() * gx - X.x() * gz, X.x() * gy - X.y() * gx,
-          -gain * sample.intensity, -1;
+      const double weight = options_.robust && magnitude > huber
+                                ? sample.pixel.weight * huber / magnitude
+                                : sample.pixel.weight;
+      const Vector8d& J = residual.J_state;
       const Vector8d weighted = weight * J;
       // Upper triangle only.
       for (int row = 0; row < 8; ++row) {
@@ -185,29 +181,34 @@ int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
   return static_cast<int>(std::min(target.size(), reference.levels.size()));
 }
 
+// Projects the sample's point moved by a motion; false at or inside the focal length.
 bool ProjectSample(const TrackingReference::Sample& sample,
                    const PlenopticProjection& camera,
-                   const Eigen::Matrix3d& R,
-                   const Eigen::Vector3d& t,
+                   const RigidMotion& motion,
                    Eigen::Vector2d* px) {
-  const Eigen::Vector3d X = R * sample.ray + sample.rho * t;
-  const double D = X.z() - sample.rho * camera.f;
-  *px = X.head<2>() * (camera.FocalLengthPx() / D) + camera.c;
-  return D > 0;
+  const double k = 1 - sample.rho * camera.f;
+  const Eigen::Vector3d ray(sample.pixel.m.x() * k, sample.pixel.m.y() * k, 1);
+  ScaledProjection::Pixel pixel;
+  if (!ScaledProjection(camera).Project(
+          motion.R * ray + sample.rho * motion.t, sample.rho, &pixel)) {
+    return false;
+  }
+  *px = {pixel.x, pixel.y};
+  return true;
 }
 
 void MeasureFlow(const TrackingReference& reference, FrameAlignmentResult* result) {
   const PlenopticProjection& camera = reference.cameras[0];
-  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d R = result->state.target_from_reference.RotationMatrix();
-  const Eigen::Vector3d t = result->state.target_from_reference.translation();
+  const RigidMotion motion(result->state.target_from_reference);
+  RigidMotion translation;
+  translation.t = motion.t;
   double sum = 0, translation_sum = 0;
   int count = 0;
   for (const TrackingReference::Sample& sample : reference.levels[0]) {
     Eigen::Vector2d start, moved, shifted;
-    if (!ProjectSample(sample, camera, I, Eigen::Vector3d::Zero(), &start) ||
-        !ProjectSample(sample, camera, R, t, &moved) ||
-        !ProjectSample(sample, camera, I, t, &shifted)) {
+    if (!ProjectSample(sample, camera, RigidMotion(), &start) ||
+        !ProjectSample(sample, camera, motion, &moved) ||
+        !ProjectSample(sample, camera, translation, &shifted)) {
       continue;
     }
     sum += (moved - start).squaredNorm();
@@ -246,10 +247,9 @@ bool AlignmentOptions::IsValid(std::string* error) const {
 
 TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
                                         const ImagePyramid& image,
-                                        const std::vector<ReferencePoint>& points,
-                                        double gradient_constant) {
+                                        const std::vector<ReferencePoint>& points) {
   TrackingReference reference;
-  const double c2 = gradient_constant * gradient_constant;
+  constexpr double c2 = kGradientConstant * kGradientConstant;
   for (size_t level = 0; level < image.size(); ++level) {
     const PlenopticProjection projection(camera, static_cast<int>(level));
     std::vector<TrackingReference::Sample> samples;
@@ -264,12 +264,8 @@ TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
         if (!image[level].view().Contains(px.x(), px.y(), 1)) continue;
         const InterpolatedValue value = InterpolateBilinear(image[level], px.x(), px.y());
         const Eigen::Vector2d m = (px - projection.c) * (projection.s / projection.f);
-        const double k_ray = 1 - point.rho * projection.f;
         const double gradient2 = value.dx * value.dx + value.dy * value.dy;
-        samples.push_back({Eigen::Vector3d(m.x() * k_ray, m.y() * k_ray, 1),
-                           point.rho,
-                           value.value,
-                           c2 / (c2 + gradient2)});
+        samples.push_back({{m, value.value, c2 / (c2 + gradient2)}, point.rho});
       }
     }
     reference.cameras.push_back(projection);
@@ -325,13 +321,13 @@ std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
 bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE3& right) {
   constexpr double kSamePx = 1;
   const PlenopticProjection& camera = reference.cameras.back();
-  const Eigen::Matrix3d R_left = left.RotationMatrix(), R_right = right.RotationMatrix();
+  const RigidMotion motion_left(left), motion_right(right);
   double sum = 0;
   int count = 0;
   for (const TrackingReference::Sample& sample : reference.levels.back()) {
     Eigen::Vector2d px_left, px_right;
-    if (ProjectSample(sample, camera, R_left, left.translation(), &px_left) &&
-        ProjectSample(sample, camera, R_right, right.translation(), &px_right)) {
+    if (ProjectSample(sample, camera, motion_left, &px_left) &&
+        ProjectSample(sample, camera, motion_right, &px_right)) {
       sum += (px_left - px_right).squaredNorm();
       ++count;
     }

@@ -9,6 +9,7 @@
 
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/camera/projection.h"
+#include "prism/factors/pixel_residual.h"
 #include "prism/geometry/se3.h"
 #include "prism/image/pyramid.h"
 
@@ -23,11 +24,8 @@ struct ReferencePoint {
 // The reference keyframe as the tracker sees it; built once a keyframe by MakeTrackingReference.
 struct TrackingReference {
   struct Sample {
-    Eigen::Vector3d
-        ray;  // rho x_C = (m (1 - rho f), 1): the point in the reference frame, times rho
+    ReferencePixel pixel;
     double rho;
-    double intensity;  // of the reference image, 0 to 255
-    double weight;     // DSO's gradient weight and the point's own, 0 to 1
   };
   std::vector<PlenopticProjection> cameras;  // one a level
   std::vector<std::vector<Sample>> levels;   // level 0 finest
@@ -79,8 +77,7 @@ struct FrameAlignmentResult {
 // pixel alone on coarser levels. `image` is the reference keyframe's pyramid.
 TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
                                         const ImagePyramid& image,
-                                        const std::vector<ReferencePoint>& points,
-                                        double gradient_constant);
+                                        const std::vector<ReferencePoint>& points);
 
 // Aligns a frame to the reference over pose and affine brightness, coarse to fine, by
 // Levenberg-Marquardt on the photometric residual Eq. (20) with fixed depths; robust (Huber).

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "prism/base/stage_timer.h"
+#include "prism/base/statistics.h"
 
 namespace prism {
 namespace {

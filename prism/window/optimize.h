@@ -2,32 +2,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "prism/window/window.h"
+#include <string>
+#include <vector>
+
+#include "prism/factors/term.h"
+#include "prism/window/options.h"
 
 namespace prism {
 
-// A posteriori variance factors: mean robustly weighted squared residual over its standard
-// deviation. 1 if the stated standard deviation is right; 0 without residuals.
-struct VarianceFactors {
-  double photometric = 0;
-  double depth = 0;
+// How the factors of one term fit after an optimisation.
+struct TermSummary {
+  std::string name;
+  int factors = 0;
+  // A posteriori variance factor: mean robustly weighted squared residual over its standard
+  // deviation. 1 if the stated standard deviation is right; 0 without factors.
+  double variance_factor = 0;
 };
 
 struct OptimizationResult {
-  bool usable = false;  // Ceres' verdict on the solution
-  int iterations = 0;
-  int photometric_residuals = 0;  // patterns of 8
-  int depth_residuals = 0;
-  double initial_cost = 0;
-  double final_cost = 0;
-  double rms = 0;  // of photometric residuals, intensities 0 to 255, unweighted by gradient
-  VarianceFactors variance_factors;
+  SolveResult solve;
+  std::vector<TermSummary> terms;  // in the order of the terms
+
+  // Of the term of a name; 0 if there is none.
+  double VarianceFactor(const std::string& term) const;
 };
 
-// Optimises all states and inverse depths of the window jointly by Levenberg-Marquardt with the
-// inverse depths eliminated (Schur complement): photometric residuals of every point in every
-// keyframe that observes it, inverse virtual depth residuals, and the prior. Without a prior the
-// oldest keyframe is held. The one place where the window's Ceres problem is built.
-OptimizationResult OptimizeWindow(const WindowOptions& options, Window* window);
+// Optimises all states and inverse depths of the window jointly, with the factors of all terms.
+// Without a prior the oldest keyframe is held. If the solution is not usable (solve.usable), the
+// window stays as it was.
+OptimizationResult OptimizeWindow(const WindowOptions& options,
+                                  const TermList& terms,
+                                  Window* window);
 
 }  // namespace prism

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/base/stage_timer.h"
 
+#include "prism/base/statistics.h"
+
 #include <gtest/gtest.h>
 
 namespace prism {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "prism/base/statistics.h"
 #include "test/window/synthetic_window.h"
 
 namespace prism {
@@ -54,7 +55,7 @@ LightFieldFrame BlackFrame(int frame) {
 OdometryOptions TestOptions() {
   OdometryOptions options;
   options.window.max_points = 600;
-  options.window.threads = 1;
+  options.window.solve.threads = 1;
   return options;
 }
 

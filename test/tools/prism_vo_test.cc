@@ -60,7 +60,7 @@ TEST(PrismVo, TracksARenderedSequenceInMetres) {
                           "peak_resident_mib",
                           "status",
                           "segments",
-                          "depth_variance_factor"}) {
+                          "variance_factors"}) {
     EXPECT_TRUE(run.contains(key)) << key;
   }
   EXPECT_EQ(run["options"]["seed"], "0");

@@ -31,7 +31,7 @@ struct Scene {
         points.push_back({px, 1 / PlaneDepth(projection, SE3(), px, &p)});
       }
     }
-    reference = MakeTrackingReference(camera, reference_image, points, 50);
+    reference = MakeTrackingReference(camera, reference_image, points);
   }
 };
 
@@ -49,7 +49,7 @@ void Reference(benchmark::State& state) {
   const Scene& scene = TheScene();
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        MakeTrackingReference(scene.camera, scene.reference_image, scene.points, 50));
+        MakeTrackingReference(scene.camera, scene.reference_image, scene.points));
   }
 }
 

@@ -6,7 +6,6 @@
 
 #include "prism/tracking/frame_alignment.h"
 #include "prism/tracking/keyframe_decision.h"
-#include "prism/tracking/point_selection.h"
 #include "prism/tracking/tracker.h"
 #include "test/window/synthetic_window.h"
 
@@ -38,7 +37,7 @@ class PlaneScene {
     return RenderPlane(camera_, cam_from_world, 0, nullptr)->image;
   }
   TrackingReference Reference() const {
-    return MakeTrackingReference(model_, reference_image_, points_, 50);
+    return MakeTrackingReference(model_, reference_image_, points_);
   }
   const ImagePyramid& reference_image() const { return reference_image_; }
 
@@ -201,43 +200,6 @@ TEST(NeedsKeyframe, WhenBrightnessRotationVisibilityOrFitHaveChanged) {
   alignment = same;
   alignment.rms = 12;
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
-}
-
-ImageF TexturedHalf(int width, int height) {
-  ImageF image(width, height, 100.0f);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width / 2; ++x) {
-      image(x, y) = static_cast<float>(128 + 60 * std::sin(0.9 * x) * std::cos(0.7 * y));
-    }
-  }
-  return image;
-}
-
-TEST(SelectPoints, SpreadsOverTheTextureAndLeavesTheBlankAlone) {
-  const ImageF squared = SquaredGradientMagnitude(TexturedHalf(320, 240));
-  const auto everywhere = [](int, int) { return true; };
-  const std::vector<Eigen::Vector2i> points = SelectPoints(squared, 400, everywhere, {});
-  EXPECT_GT(points.size(), 250u);
-  EXPECT_LE(points.size(), 400u);
-  int quadrant[2] = {0, 0};
-  for (const Eigen::Vector2i& px : points) {
-    EXPECT_LE(px.x(), 160);
-    ++quadrant[px.y() < 120 ? 0 : 1];
-  }
-  EXPECT_GT(std::min(quadrant[0], quadrant[1]), static_cast<int>(points.size()) / 3);
-}
-
-TEST(SelectPoints, TakesOnlyUsablePixels) {
-  const ImageF squared = SquaredGradientMagnitude(TexturedHalf(320, 240));
-  const auto odd_rows = [](int, int y) { return y % 2 == 1; };
-  const std::vector<Eigen::Vector2i> points = SelectPoints(squared, 200, odd_rows, {});
-  ASSERT_FALSE(points.empty());
-  for (const Eigen::Vector2i& px : points) EXPECT_EQ(px.y() % 2, 1);
-}
-
-TEST(SelectPoints, ABlankImageHasNone) {
-  const ImageF squared = SquaredGradientMagnitude(ImageF(320, 240, 50.0f));
-  EXPECT_TRUE(SelectPoints(squared, 500, [](int, int) { return true; }, {}).empty());
 }
 
 }  // namespace

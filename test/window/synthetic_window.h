@@ -9,7 +9,7 @@
 #include "prism/base/random.h"
 #include "prism/camera/projection.h"
 #include "prism/image/patch.h"
-#include "prism/window/window.h"
+#include "prism/scene/window.h"
 
 namespace prism {
 
@@ -87,6 +87,7 @@ inline Window MakeSyntheticWindow(const SyntheticOptions& options) {
   std::mt19937_64 generator = SeededGenerator(options.seed, 0);
   std::normal_distribution<double> normal;
   Window window{PlenopticProjection(SyntheticCamera(options))};
+  window.noise = {options.image_noise, 4};
   for (int i = 0; i < options.num_keyframes; ++i) {
     Vector6d tangent;
     for (int k = 0; k < 6; ++k)
@@ -103,10 +104,8 @@ inline Window MakeSyntheticWindow(const SyntheticOptions& options) {
   for (int i = 0; i < options.num_points; ++i) {
     Keyframe& host = *window.keyframes[i % options.num_keyframes];
     auto point = std::make_unique<Point>();
-    MakePatch(host.frame->image[0],
-              {std::floor(x(generator)), std::floor(y(generator))},
-              PhotometricOptions{},
-              &point->patch);
+    MakePatch(
+        host.frame->image[0], {std::floor(x(generator)), std::floor(y(generator))}, &point->patch);
     Eigen::Vector3d p;
     point->rho = 1 / PlaneDepth(window.camera, host.state.pose(), point->patch.px, &p);
     point->w_measured =

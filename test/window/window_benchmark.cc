@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <benchmark/benchmark.h>
 
+#include "prism/factors/default_terms.h"
 #include "prism/window/optimize.h"
 #include "test/window/synthetic_window.h"
 
@@ -12,18 +13,19 @@ namespace {
 void BM_OptimizeWindow(benchmark::State& state) {
   Window window = MakeSyntheticWindow({});
   WindowOptions options;
-  options.threads = static_cast<int>(state.range(0));
-  options.max_iterations = 6;
-  options.function_tolerance = 0;  // all of them
+  options.solve.threads = static_cast<int>(state.range(0));
+  options.solve.max_iterations = 6;
+  options.solve.function_tolerance = 0;  // all of them
+  const TermList terms = MakeDefaultTerms({});
   OptimizationResult result;
   for (auto _ : state) {
     state.PauseTiming();
     PerturbWindow(0.002, 0.001, 0.03, &window);
     state.ResumeTiming();
-    result = OptimizeWindow(options, &window);
+    result = OptimizeWindow(options, terms, &window);
   }
-  state.counters["iterations"] = result.iterations;
-  state.counters["patterns"] = result.photometric_residuals;
+  state.counters["iterations"] = result.solve.iterations;
+  state.counters["patterns"] = result.terms[0].factors;
 }
 BENCHMARK(BM_OptimizeWindow)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/factors/default_terms.h"
+
+#include "prism/factors/prior_term.h"
+
+namespace prism {
+
+bool DefaultTermOptions::IsValid(std::string* error) const {
+  return photometric.IsValid(error) && depth.IsValid(error);
+}
+
+TermList MakeDefaultTerms(const DefaultTermOptions& options) {
+  PhotometricTermOptions photometric = options.photometric;
+  InverseVirtualDepthTermOptions depth = options.depth;
+  if (!options.robust_loss) photometric.huber = depth.huber = 0;
+  TermList terms = {std::make_shared<PhotometricTerm>(photometric)};
+  if (options.depth_residual) terms.push_back(std::make_shared<InverseVirtualDepthTerm>(depth));
+  terms.push_back(std::make_shared<StatePriorTerm>());
+  if (options.marginalization_prior) terms.push_back(std::make_shared<MarginalizationPriorTerm>());
+  return terms;
+}
+
+}  // namespace prism

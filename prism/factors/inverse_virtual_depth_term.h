@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <ceres/sized_cost_function.h>
+
+#include "prism/camera/projection.h"
+#include "prism/factors/term.h"
+
+namespace prism {
+
+// Inverse virtual depth residual of one point in its host frame, Eq. (22) over its standard
+// deviation: r = (w(rho) - w_measured) / sigma with w = 1/v, the only residual that holds the
+// scale.
+//
+// Residuals: 1. Parameter block: metric inverse depth rho in 1/m (1). Jacobian: Eq. (87), last
+// line. Poses and brightness do not enter (Eqs. (26), (76)). A point at or inside the focal length
+// gives zero residual and Jacobian. Precondition: sigma > 0. `camera` must outlive the cost.
+class InverseVirtualDepthCost : public ceres::SizedCostFunction<1, 1> {
+ public:
+  InverseVirtualDepthCost(double w_measured, double sigma, const PlenopticProjection* camera);
+
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override;
+
+ private:
+  double w_measured_;
+  double inverse_sigma_;
+  const PlenopticProjection* camera_;
+};
+
+struct InverseVirtualDepthTermOptions {
+  double huber = 1.5;         // standard deviations; 0: squares (ablation)
+  double max_residual = 3.5;  // standard deviations: beyond it the measurement is dropped
+
+  bool IsValid(std::string* error) const;
+};
+
+// An InverseVirtualDepthCost for every point with a measured depth.
+class InverseVirtualDepthTerm : public Term {
+ public:
+  explicit InverseVirtualDepthTerm(const InverseVirtualDepthTermOptions& options);
+
+  std::string name() const override { return "inverse virtual depth"; }
+  void AddPointFactors(const Window& window,
+                       size_t host_index,
+                       const Point& point,
+                       int rho_block,
+                       WindowGraph* graph) const override;
+  OutlierRule outlier_rule() const override { return {options_.max_residual}; }
+  // The measurement is forgotten.
+  void Reject(const FactorGraph::Factor& factor, Point* point) const override;
+
+ private:
+  InverseVirtualDepthTermOptions options_;
+  std::unique_ptr<const ceres::LossFunction> loss_;
+};
+
+}  // namespace prism

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "prism/factors/term.h"
+
+namespace prism {
+
+struct PhotometricTermOptions {
+  // Standard deviations, over the norm of a pattern's 8 residuals / sqrt(8). 0: squares (ablation).
+  double huber = 3;
+  // DSO's frame energy threshold on a pattern's RMS; groups are target frames.
+  OutlierRule outliers = {3, 2, 0.7};
+
+  bool IsValid(std::string* error) const;
+};
+
+// A PhotometricCost for every point in every keyframe that observes it (Eqs. (20), (21)).
+// Group of a factor: id of the target keyframe.
+class PhotometricTerm : public Term {
+ public:
+  explicit PhotometricTerm(const PhotometricTermOptions& options);
+
+  std::string name() const override { return "photometric"; }
+  void AddPointFactors(const Window& window,
+                       size_t host_index,
+                       const Point& point,
+                       int rho_block,
+                       WindowGraph* graph) const override;
+  OutlierRule outlier_rule() const override { return options_.outliers; }
+  // The point is not looked for in that keyframe again.
+  void Reject(const FactorGraph::Factor& factor, Point* point) const override;
+
+ private:
+  PhotometricTermOptions options_;
+  std::unique_ptr<const ceres::LossFunction> loss_;
+};
+
+}  // namespace prism

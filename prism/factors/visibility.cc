@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/factors/visibility.h"
+
+#include <algorithm>
+
+namespace prism {
+
+bool IsObserved(const PlenopticProjection& camera,
+                const RigidMotion& target_from_host,
+                const Point& point,
+                const Keyframe& target) {
+  if (std::find(point.outlier_targets.begin(), point.outlier_targets.end(), target.id) !=
+      point.outlier_targets.end()) {
+    return false;
+  }
+  Eigen::Vector3d x_V;
+  return ProjectBetweenFrames(camera, point.patch.px, point.rho, target_from_host, &x_V) &&
+         target.frame->image[0].view().Contains(x_V.x(), x_V.y(), kPatternRadius + 2);
+}
+
+bool IsObserved(const Window& window,
+                const Keyframe& host,
+                const Point& point,
+                const Keyframe& target) {
+  return IsObserved(
+      window.camera, target.state.pose() * host.state.pose().Inverse(), point, target);
+}
+
+}  // namespace prism

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "prism/solver/factor_graph.h"
+
+namespace prism {
+
+// A factor at the values of its graph.
+struct FactorValue {
+  Eigen::VectorXd residuals;  // as the cost gives them, in standard deviations
+  double weight = 1;          // rho'(s) of the loss, s = |residuals|^2
+  double cost = 0;            // rho(s) / 2
+};
+
+// Precondition: the graph is prepared (FactorGraph::PrepareForEvaluation).
+FactorValue EvaluateFactor(const FactorGraph& graph, const FactorGraph::Factor& factor);
+
+struct LinearizedFactor {
+  FactorValue value;
+  std::vector<Eigen::MatrixXd> jacobians;  // over the tangent space, one a block
+};
+
+// Jacobians of blocks that have a first estimate are evaluated there, residuals at the values all
+// the same.
+LinearizedFactor LinearizeFactor(const FactorGraph& graph, const FactorGraph::Factor& factor);
+
+// The cost with its Jacobians evaluated at the first estimates of blocks that have one (null: at
+// the values), lifted to the stored doubles at the values:
+//   J(x) = J_cost(x_first) PlusJacobian(x_first) MinusJacobian(x).
+// What it is made of must outlive it.
+class FirstEstimateCost : public ceres::CostFunction {
+ public:
+  FirstEstimateCost(const FactorGraph& graph, const FactorGraph::Factor& factor);
+
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override;
+
+ private:
+  const ceres::CostFunction* cost_;
+  std::vector<const BlockKind*> kinds_;
+  std::vector<const double*> first_estimates_;
+};
+
+// True if the Jacobians of the factor have to be evaluated elsewhere than at the values, and its
+// cost does not do so itself.
+bool NeedsFirstEstimateCost(const FactorGraph& graph, const FactorGraph::Factor& factor);
+
+// Mean over the factors of a term of weight * |residuals|^2 / number of residuals: 1 if the stated
+// standard deviations are right; 0 without factors.
+struct TermFit {
+  int factors = 0;
+  double variance_factor = 0;
+};
+
+// One a term, `num_terms` of them.
+std::vector<TermFit> EvaluateTermFits(const FactorGraph& graph, int num_terms);
+
+}  // namespace prism
