@@ -49,7 +49,7 @@ DEFINE_int32(ping_pong,
 DEFINE_int32(threads, 2, "Threads of the optimisation; 1 gives the same result byte for byte.");
 DEFINE_uint64(seed, 0, "Seed of everything random.");
 DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D input; 0: clean.");
-DEFINE_int32(window_keyframes, 7, "Keyframes in the sliding window.");
+DEFINE_int32(window_keyframes, 8, "Keyframes optimised together.");
 DEFINE_int32(active_points, 2000, "Points in the sliding window.");
 DEFINE_int32(iterations, 3, "Iterations of each window optimisation.");
 DEFINE_double(photometric_model_sigma,

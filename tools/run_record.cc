@@ -14,7 +14,7 @@ namespace {
 
 nlohmann::ordered_json KeyframeToJson(const KeyframeResult& keyframe) {
   const SolveResult& solve = keyframe.optimization.solve;
-  nlohmann::ordered_json json = {{"usable", solve.usable},
+  nlohmann::ordered_json json = {{"status", ToString(keyframe.status)},
                                  {"converged", solve.converged},
                                  {"iterations", solve.iterations},
                                  {"initial_cost", solve.initial_cost},

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/odometry/odometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +10,7 @@
 
 #include "prism/factors/prior_term.h"
 #include "prism/image/noise.h"
+#include "prism/odometry/recovery.h"
 #include "prism/tracking/reference_points.h"
 
 namespace prism {
@@ -22,6 +24,25 @@ FrameState Compose(const AlignmentState& alignment, const FrameState& reference)
                     std::exp(alignment.a) * reference.b() + alignment.b);
 }
 
+// The worst of the terms says how the window fits.
+KeyframeStatus Judge(const KeyframeResult& result,
+                     const NoiseModel& noise,
+                     const FitLimits& limits) {
+  if (!result.optimization.solve.usable) return KeyframeStatus::kNotSolved;
+  FitQuality fit;
+  fit.rms = fit.outlier_fraction = 0;
+  fit.visible_fraction = 1;
+  for (size_t i = 0; i < result.optimization.terms.size(); ++i) {
+    const TermSummary& term = result.optimization.terms[i];
+    if (term.factors == 0) continue;
+    fit.rms = std::max(fit.rms, std::sqrt(term.variance_factor) / noise.Misfit());
+    fit.outlier_fraction =
+        std::max(fit.outlier_fraction,
+                 static_cast<double>(result.outliers.factors_rejected[i]) / term.factors);
+  }
+  return limits.AreMetBy(fit) ? KeyframeStatus::kGood : KeyframeStatus::kPoorFit;
+}
+
 }  // namespace
 
 const char* ToString(FrameStatus status) {
@@ -32,6 +53,18 @@ const char* ToString(FrameStatus status) {
       return "no texture";
     case FrameStatus::kLost:
       return "lost";
+  }
+  return "";
+}
+
+const char* ToString(KeyframeStatus status) {
+  switch (status) {
+    case KeyframeStatus::kGood:
+      return "good";
+    case KeyframeStatus::kPoorFit:
+      return "poor fit";
+    case KeyframeStatus::kNotSolved:
+      return "not solved";
   }
   return "";
 }
@@ -57,9 +90,9 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   {
     const StageTimer::Scope scope(&timer_, "track");
     if (lost_frames_ > 0) {
-      match = Recover(options_.recovery, camera_, window_, *frame, &tracker_);
+      match = Recover(options_.tracker.fit.recovered, camera_, window_, *frame, &tracker_);
     } else {
-      match.tracking = tracker_.Track(frame->image);
+      match.tracking = tracker_.Track(frame->image, frame->time_ns, window_.noise);
       if (match.tracking.status == TrackingStatus::kGood) match.reference = &window_.newest();
     }
   }
@@ -67,10 +100,12 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
 
   const FrameAlignmentResult& alignment = match.tracking.alignment;
   const FrameState reference = match.reference->state;
+  window_.noise.Observe(alignment.rms);
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
   result.status = FrameStatus::kTracked;
+  result.fit = alignment.fit;
   result.rms = alignment.rms;
   result.points_used = alignment.inliers;
   result.keyframe_id = match.reference->id;
@@ -119,7 +154,7 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
-  window_.noise = {EstimateImageNoise(frame->image[0]), options_.photometric_model_sigma};
+  window_.noise = NoiseModel(EstimateImageNoise(frame->image[0]), options_.photometric_model_sigma);
   AddKeyframe(std::move(frame), FrameState(last_pose_, 0, 0));
   if (window_.NumPoints() < options_.min_start_points) {
     window_.keyframes.clear();
@@ -131,8 +166,8 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   AnchorFirstKeyframe(&window_);
   map_.RememberKeyframes(window_);
   map_.AddFrame(window_.newest().frame->time_ns, window_.newest().id, SE3());
-  tracker_.Reset();
-  SetTrackingReference(SE3());
+  tracker_.Start(NewestAsReference(), window_.newest().frame->time_ns);
+  first_rms_ = 0;
   result.status = FrameStatus::kTracked;
   result.is_keyframe = true;
   result.keyframe_id = window_.newest().id;
@@ -166,9 +201,12 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
     const StageTimer::Scope scope(&timer_, "remove outliers");
     result.outliers = RemoveOutliers(terms_, options_.window.graph, &window_);
   }
+  result.status = Judge(result, window_.noise, options_.tracker.fit.match);
   map_.RememberKeyframes(window_);
   map_.AddFrame(window_.newest().frame->time_ns, window_.newest().id, SE3());
-  SetTrackingReference(window_.newest().state.pose() * reference_pose.Inverse());
+  tracker_.SetReference(NewestAsReference(),
+                        window_.newest().state.pose() * reference_pose.Inverse());
+  first_rms_ = 0;
   {
     const StageTimer::Scope scope(&timer_, "marginalize");
     for (const int id : KeyframesToRetire(options_.window, options_.retirement, window_)) {
@@ -178,14 +216,11 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
   return result;
 }
 
-// The newest keyframe is what frames are tracked on from now on.
-void Odometry::SetTrackingReference(const SE3& new_from_old_reference) {
+// The newest keyframe, which frames are tracked on from now on.
+TrackingReference Odometry::NewestAsReference() {
   const StageTimer::Scope scope(&timer_, "set reference");
   const Keyframe& newest = window_.newest();
-  tracker_.SetReference(
-      MakeTrackingReference(camera_, newest.frame->image, MakeReferencePoints(window_, newest)),
-      new_from_old_reference);
-  first_rms_ = 0;
+  return MakeTrackingReference(camera_, newest.frame->image, MakeReferencePoints(window_, newest));
 }
 
 }  // namespace prism

@@ -18,8 +18,16 @@ namespace prism {
 enum class FrameStatus { kTracked, kNoTexture, kLost };
 const char* ToString(FrameStatus status);
 
+enum class KeyframeStatus {
+  kGood,
+  kPoorFit,    // residuals or outliers of a term beyond FitOptions::match
+  kNotSolved,  // the solver found nothing usable: the window stayed as it was
+};
+const char* ToString(KeyframeStatus status);
+
 // What became of a keyframe's window.
 struct KeyframeResult {
+  KeyframeStatus status = KeyframeStatus::kGood;
   OptimizationResult optimization;
   OutlierResult outliers;
 };
@@ -31,6 +39,7 @@ struct FrameResult {
   bool is_keyframe = false;
   int keyframe_id = -1;     // its own, or the one it was tracked on
   FrameState state;         // cam_from_world at this moment, absolute brightness
+  FitQuality fit;           // of the alignment
   double rms = 0;           // of the alignment, intensities
   int points_used = 0;      // inlier samples of the alignment
   int active_points = 0;    // in the window
@@ -66,7 +75,7 @@ class Odometry {
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
   void AddKeyframe(FramePtr frame, const FrameState& state);
   KeyframeResult MakeKeyframe(FramePtr frame, const FrameState& state, const SE3& reference_pose);
-  void SetTrackingReference(const SE3& new_from_old_reference);
+  TrackingReference NewestAsReference();
 
   PlenopticCamera camera_;
   OdometryOptions options_;

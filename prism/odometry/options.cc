@@ -8,8 +8,7 @@ namespace prism {
 
 bool OdometryOptions::IsValid(std::string* error) const {
   if (!activation.IsValid(error) || !tracker.IsValid(error) || !keyframe.IsValid(error) ||
-      !recovery.IsValid(error) || !window.IsValid(error) || !retirement.IsValid(error) ||
-      !default_terms.IsValid(error)) {
+      !window.IsValid(error) || !retirement.IsValid(error) || !default_terms.IsValid(error)) {
     return false;
   }
   if (std::any_of(terms.begin(), terms.end(), [](const auto& term) { return term == nullptr; })) {

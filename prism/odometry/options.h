@@ -5,7 +5,6 @@
 #include <string>
 
 #include "prism/factors/default_terms.h"
-#include "prism/odometry/recovery.h"
 #include "prism/points/activation.h"
 #include "prism/tracking/keyframe_decision.h"
 #include "prism/tracking/tracker.h"
@@ -18,7 +17,6 @@ struct OdometryOptions {
   ActivationOptions activation;
   TrackerOptions tracker;
   KeyframeOptions keyframe;
-  RecoveryOptions recovery;
   WindowOptions window;
   RetirementOptions retirement;
   DefaultTermOptions default_terms;

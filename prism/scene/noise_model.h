@@ -2,18 +2,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
+#include <vector>
 
 namespace prism {
 
-// What photometric residuals of a pixel scatter by, intensities 0 to 255: the noise of both images
-// and what the model leaves out (interpolation, depth edges, reflections). Residuals are weighted
-// by DSO's gradient weight and divided by it.
-struct NoiseModel {
-  double image_sigma = 0;    // of one image, measured (EstimateImageNoise)
-  double model_sigma = 3.5;  // beside the images' noise
+// What photometric residuals scatter by, intensities 0 to 255: the noise of both images, and what
+// the model leaves out (interpolation, depth edges, reflections). The one measure that residuals
+// are weighted by and fits are judged by.
+class NoiseModel {
+ public:
+  // Before anything is measured. `image_sigma` of one image (EstimateImageNoise); `model_sigma` is
+  // the error of the model beside it, as far as weights go.
+  explicit NoiseModel(double image_sigma = 0, double model_sigma = 3.5);
 
-  double ResidualSigma() const { return std::hypot(std::sqrt(2.0) * image_sigma, model_sigma); }
+  // Standard deviation that residuals of a pixel are weighted by, beside DSO's gradient weight.
+  double ResidualSigma() const;
+
+  // What residuals of frames that fit really scatter by: ResidualSigma() times the misfit, which is
+  // the median over the last 30 frames that were told to Observe, and 1.25 at the least and before
+  // (bilinear interpolation of sharp images costs that much on noise-free ones).
+  double FitSigma() const { return Misfit() * ResidualSigma(); }
+  double Misfit() const;
+  // RMS of the residuals of a frame that fits, intensities.
+  void Observe(double rms);
+  // Enough frames were observed to know what fits.
+  bool KnowsFit() const { return misfits_.size() >= 3; }
+
+ private:
+  double image_sigma_;
+  double model_sigma_;
+  std::vector<double> misfits_;  // of the last frames
 };
 
 }  // namespace prism

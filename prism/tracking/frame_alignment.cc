@@ -33,11 +33,13 @@ class LevelProblem {
                const PlenopticProjection& camera,
                const ImageViewF& image,
                const AlignmentOptions& options,
+               double huber_threshold,
                double outlier_threshold)
       : samples_(samples),
         camera_(camera),
         image_(image),
-        options_(options),
+        robust_(options.robust),
+        huber_threshold_(huber_threshold),
         outlier_threshold_(outlier_threshold) {}
 
   // With H and g (gradient of half the energy) over [pose; a; b] if asked for.
@@ -49,7 +51,7 @@ class LevelProblem {
     LevelCost cost;
     const RelativeState relative{state.target_from_reference, std::exp(state.a), state.b};
     const ScaledProjection projection(camera_);
-    const double huber = options_.huber_threshold;
+    const double huber = huber_threshold_;
     PixelResidual residual;
     for (const TrackingReference::Sample& sample : samples_) {
       if (!EvaluatePixel(sample.pixel,
@@ -73,9 +75,8 @@ class LevelProblem {
       cost.squared_error += r * r;
       cost.energy += sample.pixel.weight * RobustSquare(magnitude);
       if (H == nullptr) continue;
-      const double weight = options_.robust && magnitude > huber
-                                ? sample.pixel.weight * huber / magnitude
-                                : sample.pixel.weight;
+      const double weight = robust_ && magnitude > huber ? sample.pixel.weight * huber / magnitude
+                                                         : sample.pixel.weight;
       const Vector8d& J = residual.J_state;
       const Vector8d weighted = weight * J;
       // Upper triangle only.
@@ -90,16 +91,17 @@ class LevelProblem {
 
  private:
   double RobustSquare(double magnitude) const {
-    const double huber = options_.huber_threshold;
-    if (!options_.robust || magnitude <= huber) return magnitude * magnitude;
+    const double huber = huber_threshold_;
+    if (!robust_ || magnitude <= huber) return magnitude * magnitude;
     return huber * (2 * magnitude - huber);
   }
 
   const std::vector<TrackingReference::Sample>& samples_;
   const PlenopticProjection& camera_;
   const ImageViewF image_;
-  const AlignmentOptions& options_;
-  const double outlier_threshold_;
+  const bool robust_;
+  const double huber_threshold_;    // intensities
+  const double outlier_threshold_;  // intensities
 };
 
 AlignmentState Updated(const AlignmentState& state, const Vector8d& step) {
@@ -154,27 +156,33 @@ int AlignLevel(const LevelProblem& problem,
 LevelProblem MakeLevelProblem(const TrackingReference& reference,
                               const ImagePyramid& target,
                               int level,
+                              const NoiseModel& noise,
                               const AlignmentOptions& options,
-                              double outlier_threshold) {
-  return LevelProblem(
-      reference.levels[level], reference.cameras[level], target[level], options, outlier_threshold);
+                              double widening = 1) {
+  return LevelProblem(reference.levels[level],
+                      reference.cameras[level],
+                      target[level],
+                      options,
+                      options.huber * noise.FitSigma(),
+                      widening * options.outlier * noise.FitSigma());
 }
 
 int AlignOnLevel(const TrackingReference& reference,
                  const ImagePyramid& target,
                  int level,
+                 const NoiseModel& noise,
                  const AlignmentOptions& options,
                  AlignmentState* state) {
   // Far from the solution most residuals are large: widen the threshold until most count.
-  double outlier_threshold = options.outlier_threshold;
+  double widening = 1;
   for (int doubling = 0; doubling < 4; ++doubling) {
-    const LevelCost cost = MakeLevelProblem(reference, target, level, options, outlier_threshold)
+    const LevelCost cost = MakeLevelProblem(reference, target, level, noise, options, widening)
                                .Evaluate(*state, nullptr, nullptr);
     if (cost.inliers > 0.6 * cost.visible) break;
-    outlier_threshold *= 2;
+    widening *= 2;
   }
   return AlignLevel(
-      MakeLevelProblem(reference, target, level, options, outlier_threshold), options, state);
+      MakeLevelProblem(reference, target, level, noise, options, widening), options, state);
 }
 
 int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
@@ -224,24 +232,16 @@ AlignmentStatus Judge(const FrameAlignmentResult& result, const AlignmentOptions
   if (!std::isfinite(result.rms) || !result.state.target_from_reference.Log().allFinite()) {
     return AlignmentStatus::kDiverged;
   }
-  if (result.visible_fraction < options.min_visible_fraction) return AlignmentStatus::kTooFewPoints;
-  if (result.rms > options.max_rms || result.outlier_fraction > options.max_outlier_fraction ||
-      std::abs(result.state.a) > options.max_log_gain) {
-    return AlignmentStatus::kBadFit;
-  }
-  return AlignmentStatus::kGood;
+  return options.possible.AreMetBy(result.fit) ? AlignmentStatus::kGood : AlignmentStatus::kBadFit;
 }
 
 }  // namespace
 
 bool AlignmentOptions::IsValid(std::string* error) const {
-  if (max_iterations >= 1 && huber_threshold > 0 && outlier_threshold > huber_threshold &&
-      min_visible_fraction > 0 && min_visible_fraction <= 1) {
-    return true;
-  }
+  if (max_iterations >= 1 && huber > 0 && outlier > huber) return possible.IsValid(error);
   *error =
-      "alignment needs an iteration or more, a positive Huber threshold below the outlier "
-      "threshold and a visible fraction in (0, 1]";
+      "alignment needs an iteration or more and a positive Huber threshold below the outlier "
+      "threshold";
   return false;
 }
 
@@ -277,22 +277,23 @@ TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
 std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
                                        const ImagePyramid& target,
                                        const std::vector<AlignmentState>& starts,
+                                       const NoiseModel& noise,
                                        const AlignmentOptions& options) {
   const int num_levels = NumLevels(reference, target);
   if (num_levels == 0 || reference.empty()) return {};
   const int level = num_levels - 1;
-  const LevelProblem problem =
-      MakeLevelProblem(reference, target, level, options, options.outlier_threshold);
+  const LevelProblem problem = MakeLevelProblem(reference, target, level, noise, options);
   const double num_samples = static_cast<double>(reference.levels[level].size());
   using Fit = std::pair<double, AlignmentState>;  // with its cost
   const auto align_all = [&](int max_iterations, std::vector<Fit>* fits) {
     AlignmentOptions few = options;
     few.max_iterations = std::min(max_iterations, options.max_iterations);
     for (auto& [cost, state] : *fits) {
-      AlignOnLevel(reference, target, level, few, &state);
+      AlignOnLevel(reference, target, level, noise, few, &state);
       const LevelCost reached = problem.Evaluate(state, nullptr, nullptr);
-      const bool possible = reached.visible >= options.min_visible_fraction * num_samples &&
-                            std::abs(state.a) <= options.max_log_gain;
+      const bool possible =
+          reached.visible >= options.possible.min_visible_fraction * num_samples &&
+          std::abs(state.a) <= options.possible.max_log_gain;
       cost = possible ? reached.PerSample() : INFINITY;
     }
     std::stable_sort(fits->begin(), fits->end(), [](const Fit& left, const Fit& right) {
@@ -338,6 +339,7 @@ bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE
 FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const ImagePyramid& target,
                                 const AlignmentState& initial,
+                                const NoiseModel& noise,
                                 const AlignmentOptions& options) {
   FrameAlignmentResult result;
   result.state = initial;
@@ -347,16 +349,17 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
     return result;
   }
   for (int level = num_levels - 1; level >= 0; --level) {
-    result.iterations += AlignOnLevel(reference, target, level, options, &result.state);
+    result.iterations += AlignOnLevel(reference, target, level, noise, options, &result.state);
     if (level > 0) continue;
-    const LevelCost cost =
-        MakeLevelProblem(reference, target, 0, options, options.outlier_threshold)
-            .Evaluate(result.state, nullptr, nullptr);
+    const LevelCost cost = MakeLevelProblem(reference, target, 0, noise, options)
+                               .Evaluate(result.state, nullptr, nullptr);
     result.inliers = cost.inliers;
-    result.visible_fraction = static_cast<double>(cost.visible) / reference.levels[0].size();
-    result.outlier_fraction =
-        cost.visible > 0 ? 1 - static_cast<double>(cost.inliers) / cost.visible : 1;
     result.rms = cost.inliers > 0 ? std::sqrt(cost.squared_error / cost.inliers) : INFINITY;
+    result.fit.rms = result.rms / noise.FitSigma();
+    result.fit.visible_fraction = static_cast<double>(cost.visible) / reference.levels[0].size();
+    result.fit.outlier_fraction =
+        cost.visible > 0 ? 1 - static_cast<double>(cost.inliers) / cost.visible : 1;
+    result.fit.log_gain = std::abs(result.state.a);
   }
   result.status = Judge(result, options);
   if (result.status == AlignmentStatus::kGood) MeasureFlow(reference, &result);

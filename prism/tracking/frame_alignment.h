@@ -12,6 +12,8 @@
 #include "prism/factors/pixel_residual.h"
 #include "prism/geometry/se3.h"
 #include "prism/image/pyramid.h"
+#include "prism/scene/fit_quality.h"
+#include "prism/scene/noise_model.h"
 
 namespace prism {
 
@@ -33,24 +35,23 @@ struct TrackingReference {
 };
 
 struct AlignmentOptions {
-  int max_iterations = 30;            // per level
-  double huber_threshold = 9;         // intensity, 0 to 255
-  double outlier_threshold = 30;      // intensity: a residual above it says nothing about the pose
-  bool robust = true;                 // false: no Huber norm (ablation)
-  bool affine_brightness = true;      // false: brightness is held (ablation)
-  double min_visible_fraction = 0.3;  // of the samples that must fall into the new frame
-  double max_log_gain = 0.7;          // |a_new - a_reference| beyond it is no exposure change
-  double max_rms = 20;                // intensity: a worse fit is not a match
-  double max_outlier_fraction = 0.5;
+  int max_iterations = 30;  // per level
+  // Of a pixel's residual in NoiseModel::FitSigma(): where Huber's norm becomes linear (1.345 costs
+  // 5 % of efficiency on Gaussian residuals), and beyond which it says nothing about the pose.
+  double huber = 1.345;
+  double outlier = 4.5;
+  bool robust = true;             // false: no Huber norm (ablation)
+  bool affine_brightness = true;  // false: brightness is held (ablation)
+  FitLimits possible;             // a worse fit is no match
 
   bool IsValid(std::string* error) const;
 };
 
 enum class AlignmentStatus {
   kGood,
-  kTooFewPoints,  // the reference or what of it falls into the new frame
+  kTooFewPoints,  // the reference has none
   kDiverged,      // no finite solution
-  kBadFit,        // residuals, outliers or brightness beyond the limits
+  kBadFit,        // beyond AlignmentOptions::possible
 };
 
 struct AlignmentState {
@@ -62,10 +63,9 @@ struct AlignmentState {
 struct FrameAlignmentResult {
   AlignmentStatus status = AlignmentStatus::kDiverged;
   AlignmentState state;
-  double rms = 0;               // intensity, of the inliers on level 0
-  int inliers = 0;              // samples on level 0
-  double visible_fraction = 0;  // of the samples on level 0
-  double outlier_fraction = 0;  // of those visible
+  FitQuality fit;   // of the samples on level 0
+  double rms = 0;   // of the inliers on level 0, intensities
+  int inliers = 0;  // samples on level 0
   // Mean squared optical flow of the reference points in px of level 0, by the whole motion and by
   // its translation alone (as in DSO's keyframe decision).
   double squared_flow = 0;
@@ -84,6 +84,7 @@ TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
 FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const ImagePyramid& target,
                                 const AlignmentState& initial,
+                                const NoiseModel& noise,
                                 const AlignmentOptions& options);
 
 // Aligns on the coarsest level alone, which is cheap, from each start. The distinct minima, best
@@ -91,6 +92,7 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
 std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
                                        const ImagePyramid& target,
                                        const std::vector<AlignmentState>& starts,
+                                       const NoiseModel& noise,
                                        const AlignmentOptions& options);
 
 // Whether the points of the reference are a pixel of the coarsest level apart, or less, between two

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "prism/base/statistics.h"
-
 namespace prism {
 namespace {
 
@@ -18,81 +16,65 @@ double RmsGradient(const ImageViewF& image) {
   return std::sqrt(sum / static_cast<double>(squared.size()));
 }
 
-// Half a motion.
-SE3 Half(const SE3& motion) { return SE3::Exp(0.5 * motion.Log()); }
-
 }  // namespace
 
 bool TrackerOptions::IsValid(std::string* error) const {
-  if (!alignment.IsValid(error)) return false;
-  if (retry_rms_ratio >= 1 && max_rms_ratio >= retry_rms_ratio && min_rms_gradient >= 0 &&
-      max_outlier_fraction > 0 && max_start_outlier_fraction > 0 && retry_steps >= 0 &&
-      retry_step > 0 && max_retries >= 1) {
-    return true;
-  }
+  if (!alignment.IsValid(error) || !fit.IsValid(error)) return false;
+  if (min_rms_gradient >= 0 && retry_steps >= 0 && retry_step > 0 && max_retries >= 1) return true;
   *error =
-      "tracking needs RMS ratios of 1 or more, a gradient of 0 or more, positive outlier "
-      "fractions, "
-      "a positive retry step and a retry or more";
+      "tracking needs a gradient and retry steps of 0 or more, a positive retry step and a retry "
+      "or more";
   return false;
 }
 
 void Tracker::SetReference(TrackingReference reference, const SE3& new_from_old_reference) {
   const SE3 old_from_new = new_from_old_reference.Inverse();
-  for (AlignmentState& state : history_) {
-    state.target_from_reference = state.target_from_reference * old_from_new;
+  for (TrackedFrame& frame : history_) {
+    frame.state.target_from_reference = frame.state.target_from_reference * old_from_new;
   }
   // Brightness is relative to the reference too: the newest frame is (or is close to) the new one.
-  const AlignmentState newest = history_.back();
-  for (AlignmentState& state : history_) {
-    state.a -= newest.a;
-    state.b -= std::exp(state.a) * newest.b;
+  const AlignmentState newest = history_.back().state;
+  for (TrackedFrame& frame : history_) {
+    frame.state.a -= newest.a;
+    frame.state.b -= std::exp(frame.state.a) * newest.b;
   }
   reference_ = std::move(reference);
 }
 
-void Tracker::Reset() {
-  history_ = {AlignmentState()};
-  recent_rms_.clear();
-  misses_ = 0;
+void Tracker::Start(TrackingReference reference, int64_t time_ns) {
+  reference_ = std::move(reference);
+  history_ = {{time_ns, AlignmentState()}};
 }
 
-double Tracker::TypicalRms() const {
-  return std::max(Quantile(recent_rms_, 0.5), options_.min_typical_rms);
-}
-
-SE3 Tracker::LastMotion() const {
+SE3 Tracker::Motion(int64_t time_ns, double fraction) const {
   if (!KnowsMotion()) return SE3();
-  return history_[1].target_from_reference * history_[0].target_from_reference.Inverse();
+  const TrackedFrame& before = history_[0];
+  const TrackedFrame& last = history_[1];
+  const double known_ns = static_cast<double>(last.time_ns - before.time_ns);
+  const double wanted_ns = static_cast<double>(time_ns - last.time_ns);
+  if (!(known_ns > 0 && wanted_ns > 0)) return SE3();
+  const SE3 motion =
+      last.state.target_from_reference * before.state.target_from_reference.Inverse();
+  return SE3::Exp(fraction * wanted_ns / known_ns * motion.Log());
 }
 
-// As many steps as frames have passed since the last good one.
-SE3 Tracker::Travelled() const {
-  const SE3 motion = LastMotion();
-  SE3 travelled = motion;
-  for (int i = 0; i < misses_; ++i) travelled = motion * travelled;
-  return travelled;
-}
-
-AlignmentState Tracker::Prediction() const {
-  AlignmentState state = history_.back();
-  state.target_from_reference = Travelled() * state.target_from_reference;
+AlignmentState Tracker::Prediction(int64_t time_ns) const {
+  AlignmentState state = history_.back().state;
+  state.target_from_reference = Motion(time_ns, 1) * state.target_from_reference;
   return state;
 }
 
-std::vector<AlignmentState> Tracker::OtherStarts() const {
+std::vector<AlignmentState> Tracker::OtherStarts(int64_t time_ns) const {
   std::vector<AlignmentState> starts;
-  const AlignmentState& last = history_.back();
-  const AlignmentState prediction = Prediction();
+  const AlignmentState& last = history_.back().state;
+  const AlignmentState prediction = Prediction(time_ns);
   const auto add = [&](const SE3& motion, const AlignmentState& from) {
     starts.push_back(from);
     starts.back().target_from_reference = motion * from.target_from_reference;
   };
   add(SE3(), prediction);
   if (KnowsMotion()) {
-    add(Half(Travelled()), last);
-    add(SE3(), last);
-    add(LastMotion() * Travelled(), last);
+    for (const double fraction : {0.5, 0.0, 2.0}) add(Motion(time_ns, fraction), last);
   }
   starts.emplace_back();  // back at the keyframe
   if (reference_.cameras.empty()) return starts;
@@ -113,64 +95,53 @@ std::vector<AlignmentState> Tracker::OtherStarts() const {
   return starts;
 }
 
-TrackingResult Tracker::Track(const ImagePyramid& target) {
-  TrackingResult result = TryStarts(target);
-  if (result.status != TrackingStatus::kGood) {
-    ++misses_;
-    return result;
-  }
-  misses_ = 0;
-  constexpr size_t kRecentFrames = 30;
-  recent_rms_.push_back(result.alignment.rms);
-  if (recent_rms_.size() > kRecentFrames) recent_rms_.erase(recent_rms_.begin());
-  history_.push_back(result.alignment.state);
+TrackingResult Tracker::Track(const ImagePyramid& target,
+                              int64_t time_ns,
+                              const NoiseModel& noise) {
+  TrackingResult result = TryStarts(target, time_ns, noise);
+  if (result.status != TrackingStatus::kGood) return result;
+  history_.push_back({time_ns, result.alignment.state});
   if (history_.size() > 2) history_.erase(history_.begin());
   return result;
 }
 
-// Before any motion is known the prediction may be far off, and a false minimum looks typical: the
-// fit is held against the best there is.
-bool Tracker::IsGood(const FrameAlignmentResult& alignment) const {
-  const double rms = KnowsMotion() ? TypicalRms() : options_.min_typical_rms;
-  return alignment.status == AlignmentStatus::kGood &&
-         alignment.rms < options_.retry_rms_ratio * rms &&
-         alignment.outlier_fraction <= options_.max_outlier_fraction;
-}
-
-TrackingResult Tracker::TryStarts(const ImagePyramid& target) const {
+TrackingResult Tracker::TryStarts(const ImagePyramid& target,
+                                  int64_t time_ns,
+                                  const NoiseModel& noise) const {
   TrackingResult result;
   const ImageF& texture_level = target[std::min<size_t>(1, target.size() - 1)];
   if (RmsGradient(texture_level) < options_.min_rms_gradient) {
     result.status = TrackingStatus::kNoTexture;
     return result;
   }
-  result.alignment = AlignFrame(reference_, target, Prediction(), options_.alignment);
+  const auto align = [&](const AlignmentState& start) {
+    return AlignFrame(reference_, target, start, noise, options_.alignment);
+  };
+  const auto is_good = [&](const FrameAlignmentResult& alignment) {
+    return alignment.status == AlignmentStatus::kGood && options_.fit.good.AreMetBy(alignment.fit);
+  };
+  result.alignment = align(Prediction(time_ns));
   result.attempts = 1;
-  if (!IsGood(result.alignment)) {
+  if (!is_good(result.alignment)) {
     const SE3 first = result.alignment.state.target_from_reference;
     for (const AlignmentState& start :
-         RankStarts(reference_, target, OtherStarts(), options_.alignment)) {
+         RankStarts(reference_, target, OtherStarts(time_ns), noise, options_.alignment)) {
       if (AreOneMinimum(reference_, start.target_from_reference, first)) continue;
-      const FrameAlignmentResult alignment =
-          AlignFrame(reference_, target, start, options_.alignment);
+      const FrameAlignmentResult alignment = align(start);
       ++result.attempts;
-      const bool good = alignment.status == AlignmentStatus::kGood;
-      const bool best_is_good = result.alignment.status == AlignmentStatus::kGood;
-      if (good && (!best_is_good || alignment.rms < result.alignment.rms)) {
+      const bool possible = alignment.status == AlignmentStatus::kGood;
+      const bool best_is_possible = result.alignment.status == AlignmentStatus::kGood;
+      if (possible && (!best_is_possible || alignment.fit.rms < result.alignment.fit.rms)) {
         result.alignment = alignment;
       }
-      if (IsGood(result.alignment) || result.attempts > options_.max_retries) break;
+      if (is_good(result.alignment) || result.attempts > options_.max_retries) break;
     }
   }
-  if (result.alignment.status == AlignmentStatus::kGood && IsCredible(result.alignment)) {
+  const FitLimits& limits = noise.KnowsFit() ? options_.fit.match : options_.fit.start;
+  if (result.alignment.status == AlignmentStatus::kGood && limits.AreMetBy(result.alignment.fit)) {
     result.status = TrackingStatus::kGood;
   }
   return result;
-}
-
-bool Tracker::IsCredible(const FrameAlignmentResult& alignment) const {
-  if (!KnowsFit() && alignment.outlier_fraction > options_.max_start_outlier_fraction) return false;
-  return recent_rms_.empty() || alignment.rms < options_.max_rms_ratio * TypicalRms();
 }
 
 }  // namespace prism

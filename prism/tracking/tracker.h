@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,19 +12,10 @@ namespace prism {
 
 struct TrackerOptions {
   AlignmentOptions alignment;
-  // Other starts are tried when the fit is worse than this times the typical one.
-  double retry_rms_ratio = 1.5;
-  // A fit worse than this times the typical one is no match, however it came about.
-  double max_rms_ratio = 2.5;
-  // Other starts are tried, too, when more of the samples than this are outliers.
-  double max_outlier_fraction = 0.15;
-  // While no RMS is typical yet, a fit with more outliers than this is no match.
-  double max_start_outlier_fraction = 0.25;
-  // Fits are never compared with a better one than this, intensities 0 to 255.
-  double min_typical_rms = 5;
+  FitOptions fit;
   // A frame whose root mean squared gradient is below this shows nothing; 0 to 255 a px.
   double min_rms_gradient = 0.5;
-  // Starts tried then, beside those of the motion model: turns that shift the image by up to
+  // Other starts, beside those of the motion model: turns that shift the image by up to
   // `retry_steps` of `retry_step` px of the coarsest level each way, and rolls that shift its
   // border by one.
   int retry_steps = 2;
@@ -42,42 +34,42 @@ struct TrackingResult {
 };
 
 // Tracks frames against the latest keyframe: constant-velocity prediction first. When the result is
-// bad, other starts are compared on the coarsest level and the best of them followed to the finest.
+// not good (FitOptions::good), other starts are compared on the coarsest level and the best of them
+// followed to the finest.
 class Tracker {
  public:
   explicit Tracker(const TrackerOptions& options) : options_(options) {}
 
   // Frames that follow are aligned to this keyframe. `new_from_old_reference` carries the motion
-  // model over (identity for the first keyframe).
+  // model over.
   void SetReference(TrackingReference reference, const SE3& new_from_old_reference);
 
-  TrackingResult Track(const ImagePyramid& target);
+  // For a new start: motion is forgotten, and the reference was taken at `time_ns`.
+  void Start(TrackingReference reference, int64_t time_ns);
 
-  // Median RMS of the last frames tracked, at least `min_typical_rms`, intensities.
-  double TypicalRms() const;
-
-  // Whether enough frames were tracked to know the typical RMS.
-  bool KnowsFit() const { return recent_rms_.size() >= 3; }
-
-  // Forgets motion and fit, for a new start; the reference stays.
-  void Reset();
+  // Times rise from frame to frame; frames may be missing in between.
+  TrackingResult Track(const ImagePyramid& target, int64_t time_ns, const NoiseModel& noise);
 
  private:
+  // A tracked frame relative to the current reference.
+  struct TrackedFrame {
+    int64_t time_ns = 0;
+    AlignmentState state;
+  };
+
   bool KnowsMotion() const { return history_.size() == 2; }
-  SE3 LastMotion() const;
-  SE3 Travelled() const;
-  AlignmentState Prediction() const;
-  std::vector<AlignmentState> OtherStarts() const;
-  bool IsGood(const FrameAlignmentResult& alignment) const;
-  bool IsCredible(const FrameAlignmentResult& alignment) const;
-  TrackingResult TryStarts(const ImagePyramid& target) const;
+  // Motion at constant velocity since the last tracked frame, in fractions of the time to
+  // `time_ns`.
+  SE3 Motion(int64_t time_ns, double fraction) const;
+  AlignmentState Prediction(int64_t time_ns) const;
+  std::vector<AlignmentState> OtherStarts(int64_t time_ns) const;
+  TrackingResult TryStarts(const ImagePyramid& target,
+                           int64_t time_ns,
+                           const NoiseModel& noise) const;
 
   TrackerOptions options_;
   TrackingReference reference_;
-  // The last two frames, relative to the current reference; at first the reference itself.
-  std::vector<AlignmentState> history_ = {AlignmentState()};
-  std::vector<double> recent_rms_;  // of the last good frames
-  int misses_ = 0;                  // frames not tracked since the last good one
+  std::vector<TrackedFrame> history_ = {TrackedFrame()};  // the last two
 };
 
 }  // namespace prism

@@ -10,7 +10,7 @@
 namespace prism {
 
 struct WindowOptions {
-  int max_keyframes = 7;  // optimised together
+  int max_keyframes = 8;  // optimised together, the newest among them
   int max_points = 2000;  // active, over all keyframes
   SolveOptions solve;
   WindowGraphOptions graph;

@@ -72,7 +72,6 @@ std::vector<int> KeyframesToRetire(const WindowOptions& window_options,
                                    const Window& window) {
   std::vector<int> ids;
   const size_t size = window.keyframes.size();
-  if (size <= 3) return ids;
   for (size_t i = 0; i + 2 < size; ++i) {
     const Keyframe& keyframe = *window.keyframes[i];
     const double log_gain = std::abs(keyframe.state.a() - window.newest().state.a());
@@ -82,7 +81,7 @@ std::vector<int> KeyframesToRetire(const WindowOptions& window_options,
       ids.push_back(keyframe.id);
     }
   }
-  while (static_cast<int>(size - ids.size()) > window_options.max_keyframes) {
+  while (static_cast<int>(size - ids.size()) >= window_options.max_keyframes) {
     double best = -1;
     int best_id = -1;
     for (size_t i = 0; i + 2 < size; ++i) {

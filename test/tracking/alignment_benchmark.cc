@@ -56,7 +56,8 @@ void Reference(benchmark::State& state) {
 void Alignment(benchmark::State& state) {
   const Scene& scene = TheScene();
   FrameAlignmentResult result;
-  for (auto _ : state) result = AlignFrame(scene.reference, scene.target_image, {}, {});
+  for (auto _ : state)
+    result = AlignFrame(scene.reference, scene.target_image, {}, NoiseModel(), {});
   if (result.status != AlignmentStatus::kGood) state.SkipWithError("the frame was not aligned");
   state.counters["points"] = static_cast<double>(scene.points.size());
   state.counters["iterations"] = result.iterations;

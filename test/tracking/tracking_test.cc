@@ -12,6 +12,8 @@
 namespace prism {
 namespace {
 
+constexpr int64_t kFrame_ns = 50'000'000;
+
 SyntheticOptions SmallImages() {
   SyntheticOptions options;
   options.width = 320;
@@ -60,7 +62,8 @@ TEST(AlignFrame, ComesBackFromAPerturbationAlongEachAxis) {
   for (int axis = 0; axis < 6; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
       const SE3 truth = SE3::Exp(AxisMotion(axis, sign * (axis < 3 ? 0.05 : 0.03)));
-      const FrameAlignmentResult result = AlignFrame(reference, scene.Render(truth), {}, {});
+      const FrameAlignmentResult result =
+          AlignFrame(reference, scene.Render(truth), {}, NoiseModel(), {});
       EXPECT_EQ(result.status, AlignmentStatus::kGood) << "axis " << axis;
       EXPECT_LT((result.state.target_from_reference * truth.Inverse()).Log().norm(), 1e-3)
           << "axis " << axis << ", sign " << sign;
@@ -73,7 +76,7 @@ TEST(AlignFrame, EstimatesAChangeOfBrightness) {
   ImageF changed = scene.reference_image()[0];
   for (size_t i = 0; i < changed.size(); ++i) changed.data()[i] = 0.8f * changed.data()[i] + 12;
   const FrameAlignmentResult result =
-      AlignFrame(scene.Reference(), BuildPyramid(changed, 6), {}, {});
+      AlignFrame(scene.Reference(), BuildPyramid(changed, 6), {}, NoiseModel(), {});
   EXPECT_EQ(result.status, AlignmentStatus::kGood);
   EXPECT_NEAR(result.state.a, std::log(0.8), 0.01);
   EXPECT_NEAR(result.state.b, 12, 1);
@@ -83,7 +86,8 @@ TEST(AlignFrame, EstimatesAChangeOfBrightness) {
 TEST(AlignFrame, MeasuresTheFlow) {
   const PlaneScene scene;
   const SE3 rotation = SE3::Exp(AxisMotion(4, 0.03));
-  const FrameAlignmentResult result = AlignFrame(scene.Reference(), scene.Render(rotation), {}, {});
+  const FrameAlignmentResult result =
+      AlignFrame(scene.Reference(), scene.Render(rotation), {}, NoiseModel(), {});
   EXPECT_NEAR(std::sqrt(result.squared_flow), 0.03 * 262.5, 1.5);
   EXPECT_LT(std::sqrt(result.squared_translation_flow), 0.5);
 }
@@ -94,27 +98,46 @@ TEST(AlignFrame, AnotherSceneIsABadFit) {
   std::mt19937_64 generator = SeededGenerator(31, 0);
   std::uniform_real_distribution<float> uniform(0, 255);
   for (size_t i = 0; i < noise.size(); ++i) noise.data()[i] = uniform(generator);
-  EXPECT_NE(AlignFrame(scene.Reference(), BuildPyramid(noise, 6), {}, {}).status,
+  EXPECT_NE(AlignFrame(scene.Reference(), BuildPyramid(noise, 6), {}, NoiseModel(), {}).status,
             AlignmentStatus::kGood);
 }
 
 TEST(AlignFrame, WithoutPointsThereIsNothingToAlignTo) {
   const PlaneScene scene;
-  EXPECT_EQ(AlignFrame(TrackingReference{}, scene.reference_image(), {}, {}).status,
+  EXPECT_EQ(AlignFrame(TrackingReference{}, scene.reference_image(), {}, NoiseModel(), {}).status,
             AlignmentStatus::kTooFewPoints);
 }
 
 TEST(Tracker, FollowsAMotionAcrossAChangeOfReference) {
   const PlaneScene scene;
   Tracker tracker{TrackerOptions{}};
-  tracker.SetReference(scene.Reference(), SE3());
+  tracker.Start(scene.Reference(), 0);
   const Vector6d velocity = (Vector6d() << 0.03, 0.01, 0, 0, 0.02, 0).finished();
   for (int i = 1; i <= 3; ++i) {
     const SE3 truth = SE3::Exp(i * velocity);
-    const TrackingResult result = tracker.Track(scene.Render(truth));
+    const TrackingResult result = tracker.Track(scene.Render(truth), i * kFrame_ns, NoiseModel());
     ASSERT_EQ(result.status, TrackingStatus::kGood) << "frame " << i;
     EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3);
     EXPECT_EQ(result.attempts, 1) << "frame " << i;
+  }
+}
+
+TEST(Tracker, PredictsOverTheTimeThatHasPassed) {
+  const PlaneScene scene;
+  Tracker tracker{TrackerOptions{}};
+  tracker.Start(scene.Reference(), 0);
+  // 12 px a frame; three frames are missing. From a prediction for one frame the match would have
+  // to be looked for.
+  const Vector6d velocity = (Vector6d() << 0, 0, 0, 0, 0.045, 0).finished();
+  int64_t frame = 0;
+  for (const int step : {1, 1, 4, 1}) {
+    frame += step;
+    const SE3 truth = SE3::Exp(static_cast<double>(frame) * velocity);
+    const TrackingResult result =
+        tracker.Track(scene.Render(truth), frame * kFrame_ns, NoiseModel());
+    ASSERT_EQ(result.status, TrackingStatus::kGood) << "frame " << frame;
+    EXPECT_EQ(result.attempts, 1) << "frame " << frame;
+    EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3);
   }
 }
 
@@ -128,14 +151,15 @@ TEST(Tracker, FindsAQuickMotionFromNothing) {
                                  AxisMotion(0, 0.3),
                                  AxisMotion(1, -0.3)}) {
     Tracker tracker{TrackerOptions{}};
-    tracker.SetReference(scene.Reference(), SE3());
+    tracker.Start(scene.Reference(), 0);
     const SE3 truth = SE3::Exp(motion);
-    const TrackingResult result = tracker.Track(scene.Render(truth));
+    const TrackingResult result = tracker.Track(scene.Render(truth), kFrame_ns, NoiseModel());
     ASSERT_EQ(result.status, TrackingStatus::kGood) << motion.transpose();
     EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3)
         << motion.transpose();
     // From then on velocity is known, the first frame being the reference.
-    EXPECT_EQ(tracker.Track(scene.Render(truth * truth)).attempts, 1) << motion.transpose();
+    EXPECT_EQ(tracker.Track(scene.Render(truth * truth), 2 * kFrame_ns, NoiseModel()).attempts, 1)
+        << motion.transpose();
   }
 }
 
@@ -148,8 +172,8 @@ TEST(Tracker, AtTheStartAMatchOfPartOfTheImageIsNone) {
     for (int x = 180; x < 320; ++x) image(x, y) = uniform(generator);
   }
   Tracker tracker{TrackerOptions{}};
-  tracker.SetReference(scene.Reference(), SE3());
-  const TrackingResult result = tracker.Track(BuildPyramid(image, 6));
+  tracker.Start(scene.Reference(), 0);
+  const TrackingResult result = tracker.Track(BuildPyramid(image, 6), kFrame_ns, NoiseModel());
   EXPECT_EQ(result.alignment.status, AlignmentStatus::kGood);
   EXPECT_EQ(result.status, TrackingStatus::kLost);
 }
@@ -161,24 +185,26 @@ TEST(RankStarts, PutsTheTrueStartFirst) {
   starts[1].target_from_reference = truth;
   starts[2].target_from_reference = truth.Inverse();
   const std::vector<AlignmentState> ranked =
-      RankStarts(scene.Reference(), scene.Render(truth), starts, {});
+      RankStarts(scene.Reference(), scene.Render(truth), starts, NoiseModel(), {});
   ASSERT_FALSE(ranked.empty());
   EXPECT_LT((ranked[0].target_from_reference * truth.Inverse()).Log().norm(), 0.02);
-  EXPECT_TRUE(RankStarts(TrackingReference{}, scene.reference_image(), starts, {}).empty());
+  EXPECT_TRUE(
+      RankStarts(TrackingReference{}, scene.reference_image(), starts, NoiseModel(), {}).empty());
 }
 
 TEST(Tracker, ABlackFrameHasNoTexture) {
   const PlaneScene scene;
   Tracker tracker{TrackerOptions{}};
-  tracker.SetReference(scene.Reference(), SE3());
-  EXPECT_EQ(tracker.Track(BuildPyramid(ImageF(320, 240, 0.0f), 6)).status,
+  tracker.Start(scene.Reference(), 0);
+  EXPECT_EQ(tracker.Track(BuildPyramid(ImageF(320, 240, 0.0f), 6), kFrame_ns, NoiseModel()).status,
             TrackingStatus::kNoTexture);
-  EXPECT_EQ(tracker.Track(scene.reference_image()).status, TrackingStatus::kGood);
+  EXPECT_EQ(tracker.Track(scene.reference_image(), 2 * kFrame_ns, NoiseModel()).status,
+            TrackingStatus::kGood);
 }
 
 TEST(NeedsKeyframe, WhenTheImageHasMovedFarEnough) {
   FrameAlignmentResult alignment;
-  alignment.visible_fraction = 1;
+  alignment.fit.visible_fraction = 1;
   EXPECT_FALSE(NeedsKeyframe(alignment, 5, 640, 480, {}));
   alignment.squared_translation_flow = alignment.squared_flow = 60 * 60;
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
@@ -186,7 +212,7 @@ TEST(NeedsKeyframe, WhenTheImageHasMovedFarEnough) {
 
 TEST(NeedsKeyframe, WhenBrightnessRotationVisibilityOrFitHaveChanged) {
   FrameAlignmentResult same;
-  same.visible_fraction = 1;
+  same.fit.visible_fraction = 1;
   same.rms = 5;
   FrameAlignmentResult alignment = same;
   alignment.state.a = 0.5;
@@ -195,7 +221,7 @@ TEST(NeedsKeyframe, WhenBrightnessRotationVisibilityOrFitHaveChanged) {
   alignment.state.target_from_reference = SE3::Exp(AxisMotion(5, 0.5));
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
   alignment = same;
-  alignment.visible_fraction = 0.4;
+  alignment.fit.visible_fraction = 0.4;
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
   alignment = same;
   alignment.rms = 12;

@@ -91,7 +91,7 @@ TEST(OptimizeWindow, VarianceFactorsTellARightWeightFromAWrongOne) {
   Window window = MakeSyntheticWindow(options);
   WindowOptions window_options;
   // Two images with this noise, one of them interpolated.
-  window.noise = {0, 2.5};
+  window.noise = NoiseModel(0, 2.5);
   const OptimizationResult result = OptimizeWindow(window_options, MakeDefaultTerms({}), &window);
   EXPECT_NEAR(result.VarianceFactor("photometric"), 1, 0.5);
   EXPECT_NEAR(result.VarianceFactor("inverse virtual depth"), 0.85, 0.25);

@@ -87,7 +87,7 @@ inline Window MakeSyntheticWindow(const SyntheticOptions& options) {
   std::mt19937_64 generator = SeededGenerator(options.seed, 0);
   std::normal_distribution<double> normal;
   Window window{PlenopticProjection(SyntheticCamera(options))};
-  window.noise = {options.image_noise, 4};
+  window.noise = NoiseModel(options.image_noise, 4);
   for (int i = 0; i < options.num_keyframes; ++i) {
     Vector6d tangent;
     for (int k = 0; k < 6; ++k)

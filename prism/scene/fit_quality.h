@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <string>
+
+namespace prism {
+
+// How well a frame fits what is known of the scene, by whoever has aligned or optimised it.
+struct FitQuality {
+  double rms = INFINITY;        // of residuals that are no outliers, in NoiseModel::FitSigma()
+  double outlier_fraction = 1;  // of the residuals
+  double visible_fraction = 0;  // of what was looked for
+  double log_gain = 0;          // |a|, change of brightness
+  double depth_agreement = 1;   // DepthAgreement; 1 where it is not asked for
+};
+
+// "Is this fit good?", in one set of limits for each use.
+struct FitLimits {
+  double max_rms = 4;  // NoiseModel::FitSigma()
+  double max_outlier_fraction = 0.5;
+  double min_visible_fraction = 0.3;
+  double max_log_gain = 0.7;
+  double min_depth_agreement = 0;
+
+  bool AreMetBy(const FitQuality& quality) const;
+  bool IsValid(std::string* error) const;
+};
+
+struct FitOptions {
+  // No match at all, whatever else is known.
+  FitLimits possible;
+  // Of a frame while few frames tell what fits: a quarter of outliers is still a match.
+  FitLimits start = {4, 0.25, 0.3, 0.7, 0};
+  // Of a frame once that is known.
+  FitLimits match = {2.5, 0.5, 0.3, 0.7, 0};
+  // A fit that leaves nothing to ask for: beyond it, other starts are tried.
+  FitLimits good = {1.5, 0.15, 0.3, 0.7, 0};
+  // After a loss: nothing but the images speaks for a match, and a wrong pose spoils the map.
+  FitLimits recovered = {1.5, 0.2, 0.5, 0.3, 0.8};
+
+  bool IsValid(std::string* error) const;
+};
+
+}  // namespace prism
