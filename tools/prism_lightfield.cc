@@ -20,7 +20,7 @@
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/lightfield/pinhole_view.h"
 #include "prism/lightfield/reprojection.h"
-#include "tools/raw_input.h"
+#include "prism/run/raw_input.h"
 #include "tools/rgbd_writer.h"
 #include "tools/tool_main.h"
 

@@ -52,6 +52,12 @@ bool WantsHelp(int argc, char** argv) {
   });
 }
 
+ExitStatus ReportBadInput(const ToolDescription& description, const std::string& what) {
+  std::cout.flush();
+  std::cerr << description.name << ": " << what << std::endl;
+  return kExitBadInput;
+}
+
 }  // namespace
 
 std::map<std::string, std::string> EffectiveOptions() {
@@ -86,10 +92,10 @@ int RunTool(const ToolDescription& description,
     }
     std::cout << std::endl;
     return run();
+  } catch (const OptionError& error) {
+    return ReportBadInput(description, "--" + std::string(error.what()));
   } catch (const InputError& error) {
-    std::cout.flush();
-    std::cerr << description.name << ": " << error.what() << std::endl;
-    return kExitBadInput;
+    return ReportBadInput(description, error.what());
   }
 }
 

@@ -32,8 +32,9 @@ struct RawInput {
 };
 
 // Opens a raw sequence. A grid is refined on the white image, or on some frames where there is
-// none. `auto` takes images of one channel as gray and others as colour. Throws InputError, also
-// for a grid whose pitch does not fit the white image and for an unknown colour.
+// none, and the order of its lens types decided by sharpness. `auto` takes images of one channel as
+// gray and others as colour. Throws InputError, also for a grid whose pitch does not fit the white
+// image, and OptionError for an unknown colour.
 RawInput OpenRawInput(const RawInputOptions& options);
 
 }  // namespace prism

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The PRISM-VO developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/raw_input.h"
+#include "prism/run/raw_input.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +28,9 @@ RawPixels ReadPixels(const std::string& colour) {
   if (colour == "bayer_grbg") return RawPixels::kBayerGrbg;
   if (colour == "bayer_gbrg") return RawPixels::kBayerGbrg;
   if (colour == "auto" || colour == "gray" || colour == "colour") return RawPixels::kGray;
-  throw InputError("--colour",
-                   "'" + colour + "'",
-                   "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg");
+  throw OptionError("colour",
+                    "'" + colour + "'",
+                    "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg");
 }
 
 int ChannelsOf(const std::string& colour) {
@@ -150,7 +150,7 @@ RawInput OpenRawInput(const RawInputOptions& options) {
   if (!input.camera.micro_lens_grid) {
     throw InputError(options.camera,
                      "no micro-lens grid",
-                     "one in the camera file or --micro_lens_grid for raw frames");
+                     "one there or in a micro_lens_grid file, for raw frames");
   }
   input.options.preparation.pixels = ReadPixels(options.colour);
   input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
