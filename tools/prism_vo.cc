@@ -45,7 +45,10 @@ DEFINE_int32(ping_pong,
              0,
              "Passes through the sequence, forwards and backwards in turn, times going on to rise; "
              "0: one.");
-DEFINE_int32(threads, 2, "Threads of the optimisation; 1 gives the same result byte for byte.");
+DEFINE_int32(
+    threads,
+    2,
+    "Threads of the optimisation and of raw frames; 1 gives the same result byte for byte.");
 DEFINE_uint64(seed, 0, "Seed of everything random.");
 DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D input; 0: clean.");
 DEFINE_int32(window_keyframes, 7, "Keyframes in the sliding window.");
@@ -111,6 +114,7 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.micro_lens_grid = FLAGS_micro_lens_grid;
   options.white_image = FLAGS_white_image;
   options.colour = FLAGS_colour;
+  options.threads = FLAGS_threads;
   options.format = FLAGS_format;
   options.start_frame = FLAGS_start_frame;
   options.max_frames = FLAGS_max_frames;

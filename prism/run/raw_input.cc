@@ -12,6 +12,7 @@
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/lightfield/grid_estimation.h"
+#include "prism/lightfield/with_threads.h"
 
 namespace prism {
 namespace {
@@ -142,6 +143,9 @@ void DecideTypeOrder(RawInput* input) {
 }  // namespace
 
 RawInput OpenRawInput(const RawInputOptions& options) {
+  if (options.threads < 0) {
+    throw OptionError("threads", std::to_string(options.threads), "0 (one a core) or more");
+  }
   RawInput input;
   input.camera = ReadPlenopticCamera(options.camera);
   if (!options.micro_lens_grid.empty()) {
@@ -153,12 +157,14 @@ RawInput OpenRawInput(const RawInputOptions& options) {
                      "one there or in a micro_lens_grid file, for raw frames");
   }
   input.options.preparation.pixels = ReadPixels(options.colour);
+  input.options.threads = options.threads;
   input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
   const std::string white =
       options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
   if (!white.empty()) input.white = ReadWhiteImage(white, input.camera);
-  RefineCameraGrid(options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid,
-                   &input);
+  const std::string grid_path =
+      options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid;
+  WithThreads(options.threads, [&] { RefineCameraGrid(grid_path, &input); });
   DecideTypeOrder(&input);
   return input;
 }

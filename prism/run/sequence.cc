@@ -34,6 +34,7 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
   if (options.start_frame < 0) return bad("start_frame", options.start_frame, "0 or more");
   if (options.max_frames < 0) return bad("max_frames", options.max_frames, "0 (all) or more");
   if (options.ping_pong < 0) return bad("ping_pong", options.ping_pong, "0 or more passes");
+  if (options.threads < 0) return bad("threads", options.threads, "0 (one a core) or more");
   const double sigma = options.rgbd.inverse_depth_sigma;
   if (!(sigma >= 0 && sigma < 0.1)) return bad("rgbd_inverse_depth_sigma", sigma, "0 to 0.1");
   return std::nullopt;
@@ -85,7 +86,8 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.camera,
                                  options.micro_lens_grid,
                                  options.white_image,
-                                 options.colour});
+                                 options.colour,
+                                 options.threads});
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
   return {input.camera, input.grid_report, TimesOf(*reader), [reader, processor](int index) {

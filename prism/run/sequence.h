@@ -26,6 +26,7 @@ struct SequenceOptions {
   std::string micro_lens_grid;  // file; empty: the camera file's own grid
   std::string white_image;      // file; empty: the folder's white.png, else none
   std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
+  int threads = 0;              // each frame is processed in; 0: one a core
 
   RgbdConversionOptions rgbd;  // of RGB-D frames
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -175,6 +176,8 @@ TEST_F(SequenceOfRgbd, BadOptionsAreNamed) {
               HasSubstr("max_frames: found -1"));
   EXPECT_THAT(message_with([](SequenceOptions* o) { o->ping_pong = -1; }),
               HasSubstr("ping_pong: found -1"));
+  EXPECT_THAT(message_with([](SequenceOptions* o) { o->threads = -1; }),
+              HasSubstr("threads: found -1"));
   EXPECT_THAT(message_with([](SequenceOptions* o) { o->rgbd.inverse_depth_sigma = 1; }),
               HasSubstr("rgbd_inverse_depth_sigma: found 1"));
   std::string error;
@@ -245,6 +248,27 @@ TEST(SequenceOfRawFrames, IsTurnedIntoDepthAndFocusedImages) {
     EXPECT_NEAR(measured[measured.size() / 2], 0.25 + 0.02 * i, 0.003);
   }
   EXPECT_FALSE(sequence.Next());
+}
+
+long ThreadsOfThisProcess() {
+  using Entries = std::filesystem::directory_iterator;
+  return std::distance(Entries("/proc/self/task"), Entries());
+}
+
+// TBB keeps its threads: whoever joined is still there afterwards.
+TEST(SequenceOfRawFrames, OneThreadMeansNoHelpers) {
+  SequenceOptions options;
+  options.sequence = FreshFolder("raw");
+  options.camera = options.sequence + "/camera.yaml";
+  WriteRawFolder(options.sequence, 2);
+  std::filesystem::remove(options.sequence + "/white.png");  // the frames' grid takes part
+  options.threads = 1;
+  const long before = ThreadsOfThisProcess();
+  {
+    Sequence sequence(options);
+    while (sequence.Next()) continue;
+  }
+  EXPECT_LE(ThreadsOfThisProcess(), before);
 }
 
 TEST(SequenceOfRawFrames, NeedsAColourItKnows) {
