@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "prism/eval/metrics.h"
-#include "prism/eval/metrics_json.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/ply_file.h"
 #include "prism/io/trajectory_file.h"
+#include "prism/report/metrics_json.h"
 
 namespace prism {
 namespace {
