@@ -1,8 +1,7 @@
-# Helpers that declare the project's targets: one library a module, one test program a module.
+# Helpers that declare the project's targets: libraries, programs, tests.
 
-# Flags every target of the project is compiled with.
+# How the project's own sources are compiled; nothing of it reaches those who use the library.
 add_library(prism_compile_options INTERFACE)
-target_include_directories(prism_compile_options INTERFACE ${PROJECT_SOURCE_DIR})
 # No -march here: the distribution's Ceres was built without AVX, and Eigen's alignment differs
 # on the two sides of that boundary. Kernels that want wide vectors dispatch at run time instead.
 if(PRISM_STRICT)
@@ -17,28 +16,53 @@ if(PRISM_SANITIZE)
 endif()
 
 # prism_module(name SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
-# A static library prism::name; a module may include only what it depends on here. Its real name is
-# another than prism_name, because a program may be called that (prism_eval, prism_lightfield).
+# A library prism::name of the folder's sources, or of headers alone if there are none. A module may
+# include only what it depends on here. Its real name is another than prism_name, because a program
+# may be called that (prism_eval, prism_lightfield). The global property PRISM_MODULES lists all.
 function(prism_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  set(target prism_module_${name})
   if(ARG_SOURCES)
-    add_library(prism_module_${name} STATIC ${ARG_SOURCES})
-    target_link_libraries(prism_module_${name} PUBLIC prism_compile_options ${ARG_DEPENDS})
+    set(scope PUBLIC)
+    add_library(${target} STATIC ${ARG_SOURCES})
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:prism_compile_options>)
   else()
-    add_library(prism_module_${name} INTERFACE)
-    target_link_libraries(prism_module_${name} INTERFACE prism_compile_options ${ARG_DEPENDS})
+    set(scope INTERFACE)
+    add_library(${target} INTERFACE)
   endif()
-  add_library(prism::${name} ALIAS prism_module_${name})
+  add_library(prism::${name} ALIAS ${target})
+  target_compile_features(${target} ${scope} cxx_std_17)
+  target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_link_libraries(${target} ${scope} ${ARG_DEPENDS})
+  set_property(GLOBAL APPEND PROPERTY PRISM_MODULES ${name})
+endfunction()
+
+# prism_tool(name SOURCES b.cc ... DEPENDS prism::x ...): the program NAME from NAME.cc and others.
+function(prism_tool name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${name}.cc ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE prism_compile_options prism_tool_main ${ARG_DEPENDS})
 endfunction()
 
 # prism_test(name SOURCES a_test.cc ... DEPENDS prism::x ...): a GoogleTest program in ctest.
 function(prism_test name)
+  if(NOT PRISM_BUILD_TESTS)
+    return()
+  endif()
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name}_test ${ARG_SOURCES})
-  target_link_libraries(${name}_test PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest GTest::gtest_main)
+  target_link_libraries(${name}_test PRIVATE
+    prism_compile_options ${ARG_DEPENDS} GTest::gmock GTest::gtest GTest::gtest_main)
   target_compile_definitions(${name}_test PRIVATE PRISM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  if(NOT PRISM_TESTS)
-    set_target_properties(${name}_test PROPERTIES EXCLUDE_FROM_ALL ON)
-  endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 300)
+endfunction()
+
+# prism_benchmark(name DEPENDS prism::x ...): the Google Benchmark program NAME from NAME.cc.
+function(prism_benchmark name)
+  if(NOT PRISM_BUILD_BENCHMARKS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  add_executable(${name} ${name}.cc)
+  target_link_libraries(${name} PRIVATE prism_compile_options ${ARG_DEPENDS} benchmark::benchmark)
 endfunction()
