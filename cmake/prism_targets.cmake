@@ -17,7 +17,8 @@ endif()
 
 # prism_module(name SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
 # A library prism::name of the folder's sources, or of headers alone if there are none. A module may
-# include only what it depends on here. Its real name is another than prism_name, because a program
+# include only what it depends on here. Headers that are generated belong into
+# ${PROJECT_BINARY_DIR}/generated/prism/name. Its real name is another than prism_name, because a program
 # may be called that (prism_eval, prism_lightfield). The global property PRISM_MODULES lists all.
 function(prism_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
@@ -32,7 +33,8 @@ function(prism_module name)
   endif()
   add_library(prism::${name} ALIAS ${target})
   target_compile_features(${target} ${scope} cxx_std_17)
-  target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_include_directories(${target} ${scope}
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>)
   target_link_libraries(${target} ${scope} ${ARG_DEPENDS})
   set_property(GLOBAL APPEND PROPERTY PRISM_MODULES ${name})
 endfunction()

@@ -11,6 +11,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "prism/base/error.h"
+#include "prism/base/version.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
@@ -190,6 +191,8 @@ ExitStatus ProcessSequence() {
   pinhole.Finish();
   WriteNativeCamera((output / "camera.yaml").string(), input.camera);
 
+  json["version"] = kVersion;
+  json["git_hash"] = GitRevision();
   json["options"] = EffectiveOptions();
   json["frames"] = count;
   json["grid"] = input.grid_report;
