@@ -1,4 +1,13 @@
-# Helpers that declare the project's targets: libraries, programs, tests.
+# Helpers that declare what the project needs and its targets: libraries, programs, tests.
+include(GNUInstallDirs)
+
+# prism_dependency(package version ...): a package the library needs, found here, and again by
+# prismConfig.cmake for whoever links the installed library.
+macro(prism_dependency)
+  find_package(${ARGV} REQUIRED)
+  string(REPLACE ";" " " arguments "${ARGV}")
+  string(APPEND PRISM_FIND_DEPENDENCIES "find_dependency(${arguments})\n")
+endmacro()
 
 # How the project's own sources are compiled; nothing of it reaches those who use the library.
 add_library(prism_compile_options INTERFACE)
@@ -15,13 +24,15 @@ if(PRISM_SANITIZE)
   target_compile_definitions(prism_compile_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
-# prism_module(name SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
+# prism_module(name [NOT_INSTALLED] SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
 # A library prism::name of the folder's sources, or of headers alone if there are none. A module may
 # include only what it depends on here. Headers that are generated belong into
 # ${PROJECT_BINARY_DIR}/generated/prism/name. Its real name is another than prism_name, because a program
 # may be called that (prism_eval, prism_lightfield). The global property PRISM_MODULES lists all.
+# A module is installed, and part of prism::prism, unless it is marked as NOT_INSTALLED: what only
+# programs or tests of the project use. All its headers are installed, generated ones too.
 function(prism_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "NOT_INSTALLED" "" "SOURCES;DEPENDS" ${ARGN})
   set(target prism_module_${name})
   if(ARG_SOURCES)
     set(scope PUBLIC)
@@ -34,9 +45,23 @@ function(prism_module name)
   add_library(prism::${name} ALIAS ${target})
   target_compile_features(${target} ${scope} cxx_std_17)
   target_include_directories(${target} ${scope}
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} ${scope} ${ARG_DEPENDS})
   set_property(GLOBAL APPEND PROPERTY PRISM_MODULES ${name})
+  if(ARG_NOT_INSTALLED)
+    return()
+  endif()
+
+  set_property(GLOBAL APPEND PROPERTY PRISM_INSTALLED_MODULES ${name})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME prism_${name})
+  if(PRISM_INSTALL)
+    install(TARGETS ${target} EXPORT prismTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    foreach(folder ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated/prism/${name})
+      install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prism/${name} OPTIONAL
+              FILES_MATCHING PATTERN "*.h")
+    endforeach()
+  endif()
 endfunction()
 
 # prism_tool(name SOURCES b.cc ... DEPENDS prism::x ...): the program NAME from NAME.cc and others.
@@ -44,6 +69,9 @@ function(prism_tool name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${name}.cc ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE prism_compile_options prism_tool_main ${ARG_DEPENDS})
+  if(PRISM_INSTALL)
+    install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  endif()
 endfunction()
 
 # prism_test(name SOURCES a_test.cc ... DEPENDS prism::x ...): a GoogleTest program in ctest.
