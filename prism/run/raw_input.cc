@@ -23,15 +23,13 @@ constexpr double kMinContrastOfFrames = 0.1;  // below that they do not show the
 // Relative. Refocusing the main lens moves the pitch by some 0.1 %; more is another camera's grid.
 constexpr double kMaxPitchChange = 0.003;
 
-RawPixels ReadPixels(const std::string& colour) {
+std::optional<RawPixels> PixelsOf(const std::string& colour) {
   if (colour == "bayer_rggb") return RawPixels::kBayerRggb;
   if (colour == "bayer_bggr") return RawPixels::kBayerBggr;
   if (colour == "bayer_grbg") return RawPixels::kBayerGrbg;
   if (colour == "bayer_gbrg") return RawPixels::kBayerGbrg;
   if (colour == "auto" || colour == "gray" || colour == "colour") return RawPixels::kGray;
-  throw OptionError("colour",
-                    "'" + colour + "'",
-                    "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg");
+  return std::nullopt;
 }
 
 int ChannelsOf(const std::string& colour) {
@@ -142,7 +140,11 @@ void DecideTypeOrder(RawInput* input) {
 
 }  // namespace
 
+bool IsRawColour(const std::string& colour) { return PixelsOf(colour).has_value(); }
+
 RawInput OpenRawInput(const RawInputOptions& options) {
+  const std::optional<RawPixels> pixels = PixelsOf(options.colour);
+  if (!pixels) throw OptionError("colour", "'" + options.colour + "'", kRawColours);
   if (options.threads < 0) {
     throw OptionError("threads", std::to_string(options.threads), "0 (one a core) or more");
   }
@@ -156,7 +158,7 @@ RawInput OpenRawInput(const RawInputOptions& options) {
                      "no micro-lens grid",
                      "one there or in a micro_lens_grid file, for raw frames");
   }
-  input.options.preparation.pixels = ReadPixels(options.colour);
+  input.options.preparation.pixels = *pixels;
   input.options.threads = options.threads;
   input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
   const std::string white =

@@ -13,13 +13,18 @@
 
 namespace prism {
 
+// Values of RawInputOptions::colour.
+inline constexpr char kRawColours[] =
+    "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg";
+bool IsRawColour(const std::string& colour);
+
 // What a user says of a raw sequence; files and folders may be empty where that is said.
 struct RawInputOptions {
   std::string folder;
   std::string camera;           // file
   std::string micro_lens_grid;  // file; empty: the camera file's own grid
   std::string white_image;      // file; empty: the folder's white.png, else none
-  std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
+  std::string colour = "auto";  // see kRawColours
   int threads = 0;              // of the processing, now and later (LightFieldOptions)
 };
 

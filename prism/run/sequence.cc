@@ -31,6 +31,9 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
   if (!format.empty() && format != "raw" && format != "focused" && format != "rgbd") {
     return BadOption{"format", "'" + format + "'", "raw, focused or rgbd"};
   }
+  if (!IsRawColour(options.colour)) {
+    return BadOption{"colour", "'" + options.colour + "'", kRawColours};
+  }
   if (options.start_frame < 0) return bad("start_frame", options.start_frame, "0 or more");
   if (options.max_frames < 0) return bad("max_frames", options.max_frames, "0 (all) or more");
   if (options.ping_pong < 0) return bad("ping_pong", options.ping_pong, "0 or more passes");

@@ -26,7 +26,7 @@ struct SequenceOptions {
   std::string micro_lens_grid;  // file; empty: the camera file's own grid
   std::string white_image;      // file; empty: the folder's white.png, else none
   std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
-  int threads = 0;              // each frame is processed in; 0: one a core
+  int threads = 0;              // that process a frame; 0: one a core
 
   RgbdConversionOptions rgbd;  // of RGB-D frames
 
@@ -35,7 +35,7 @@ struct SequenceOptions {
   bool reverse = false;  // the first pass is played backwards
   int ping_pong = 0;     // number of passes, forwards and backwards in turn; 0: one
 
-  // What is wrong without a look at the files.
+  // As far as it can be told without a look at the files.
   bool IsValid(std::string* error) const;
 };
 
