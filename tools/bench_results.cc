@@ -14,9 +14,9 @@
 #include "prism/base/error.h"
 #include "prism/base/statistics.h"
 #include "prism/eval/metrics.h"
-#include "prism/eval/metrics_json.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/trajectory_file.h"
+#include "prism/report/metrics_json.h"
 #include "prism/report/text_table.h"
 
 namespace prism {

@@ -11,9 +11,9 @@
 
 #include "prism/base/error.h"
 #include "prism/eval/metrics.h"
-#include "prism/eval/metrics_json.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/trajectory_file.h"
+#include "prism/report/metrics_json.h"
 #include "prism/report/metrics_table.h"
 #include "prism/report/plot.h"
 #include "prism/report/trajectory_plots.h"

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include <gflags/gflags.h>
-#include <tbb/global_control.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "prism/base/error.h"
+#include "prism/base/version.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
@@ -20,7 +20,8 @@
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/lightfield/pinhole_view.h"
 #include "prism/lightfield/reprojection.h"
-#include "tools/raw_input.h"
+#include "prism/lightfield/with_threads.h"
+#include "prism/run/raw_input.h"
 #include "tools/rgbd_writer.h"
 #include "tools/tool_main.h"
 
@@ -38,7 +39,7 @@ DEFINE_bool(estimate_grid,
             "Only find the grid in --white_image; --camera with it goes to --camera_out.");
 DEFINE_string(camera_out, "", "Camera file (native YAML) written by --estimate_grid.");
 DEFINE_int32(max_frames, 0, "Number of frames to process; 0: all.");
-DEFINE_int32(threads, 2, "Threads; the result does not depend on it.");
+DEFINE_int32(threads, 2, "Threads; 0: one a core. The result does not depend on it.");
 DEFINE_double(min_inverse_virtual_depth, 0.1, "Smallest 1/v searched.");
 DEFINE_double(max_inverse_virtual_depth, 0.48, "Largest 1/v searched, at most 0.5.");
 
@@ -53,9 +54,6 @@ void ApplyFlags(LightFieldOptions* changed) {
   if (!options.IsValid(&error)) throw InputError("command line", error, "valid options");
   if (!(FLAGS_crop_fov_deg >= 0 && FLAGS_crop_fov_deg < 180)) {
     throw InputError("--crop_fov_deg", std::to_string(FLAGS_crop_fov_deg), "0 to 180");
-  }
-  if (FLAGS_threads < 1) {
-    throw InputError("--threads", std::to_string(FLAGS_threads), "1 or more");
   }
 }
 
@@ -150,8 +148,13 @@ ExitStatus ProcessSequence() {
   RequireFlag("raw", FLAGS_raw, "the folder of a raw sequence");
   RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
-  RawInput input = OpenRawInput(
-      {FLAGS_raw, FLAGS_camera, FLAGS_micro_lens_grid, FLAGS_white_image, FLAGS_colour});
+  cv::setNumThreads(FLAGS_threads > 0 ? FLAGS_threads : -1);
+  RawInput input = OpenRawInput({FLAGS_raw,
+                                 FLAGS_camera,
+                                 FLAGS_micro_lens_grid,
+                                 FLAGS_white_image,
+                                 FLAGS_colour,
+                                 FLAGS_threads});
   ApplyFlags(&input.options);
   std::cout << input.grid_report << std::endl;
   if (!FLAGS_truth.empty() && !std::filesystem::is_directory(FLAGS_truth)) {
@@ -178,14 +181,18 @@ ExitStatus ProcessSequence() {
     }
     if (i == 0) json["reprojection"] = ReprojectionToJson(processor, frame);
     writer.Write(frame);
-    pinhole.Write(frame.time_ns,
-                  MakePinholeView(input.camera, frame, processor.dense_inverse_virtual_depth()));
+    pinhole.Write(frame.time_ns, WithThreads(FLAGS_threads, [&] {
+                    return MakePinholeView(
+                        input.camera, frame, processor.dense_inverse_virtual_depth());
+                  }));
     if (!FLAGS_truth.empty()) AddTruth(i, frame, &evaluator);
   }
   writer.Finish();
   pinhole.Finish();
   WriteNativeCamera((output / "camera.yaml").string(), input.camera);
 
+  json["version"] = kVersion;
+  json["git_hash"] = GitRevision();
   json["options"] = EffectiveOptions();
   json["frames"] = count;
   json["grid"] = input.grid_report;
@@ -203,13 +210,7 @@ ExitStatus ProcessSequence() {
   return kExitDone;
 }
 
-ExitStatus Run() {
-  if (FLAGS_estimate_grid) return EstimateGridFromWhite();
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<size_t>(std::max(FLAGS_threads, 1)));
-  cv::setNumThreads(FLAGS_threads);
-  return ProcessSequence();
-}
+ExitStatus Run() { return FLAGS_estimate_grid ? EstimateGridFromWhite() : ProcessSequence(); }
 
 }  // namespace
 }  // namespace prism

@@ -7,22 +7,21 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include <gflags/gflags.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include "prism/base/error.h"
-#include "prism/eval/metrics.h"
-#include "prism/eval/metrics_json.h"
 #include "prism/io/atomic_file.h"
-#include "prism/io/ply_file.h"
 #include "prism/io/trajectory_file.h"
 #include "prism/odometry/odometry.h"
 #include "prism/report/live_view.h"
 #include "prism/report/run_report.h"
-#include "tools/frame_source.h"
+#include "prism/run/sequence.h"
 #include "tools/report_recorder.h"
+#include "tools/run_output.h"
 #include "tools/run_record.h"
 #include "tools/tool_main.h"
 
@@ -46,7 +45,10 @@ DEFINE_int32(ping_pong,
              0,
              "Passes through the sequence, forwards and backwards in turn, times going on to rise; "
              "0: one.");
-DEFINE_int32(threads, 2, "Threads of the optimisation; 1 gives the same result byte for byte.");
+DEFINE_int32(
+    threads,
+    2,
+    "Threads of the optimisation and of raw frames; 1 gives the same result byte for byte.");
 DEFINE_uint64(seed, 0, "Seed of everything random.");
 DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D input; 0: clean.");
 DEFINE_int32(window_keyframes, 8, "Keyframes optimised together.");
@@ -106,16 +108,13 @@ SequenceOptions SequenceOptionsFromFlags() {
   RequireFlag("sequence", FLAGS_sequence, "the folder of a sequence");
   RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
-  if (!(FLAGS_rgbd_inverse_depth_sigma >= 0 && FLAGS_rgbd_inverse_depth_sigma < 0.1)) {
-    throw InputError(
-        "--rgbd_inverse_depth_sigma", std::to_string(FLAGS_rgbd_inverse_depth_sigma), "0 to 0.1");
-  }
   SequenceOptions options;
   options.sequence = FLAGS_sequence;
   options.camera = FLAGS_camera;
   options.micro_lens_grid = FLAGS_micro_lens_grid;
   options.white_image = FLAGS_white_image;
   options.colour = FLAGS_colour;
+  options.threads = FLAGS_threads;
   options.format = FLAGS_format;
   options.start_frame = FLAGS_start_frame;
   options.max_frames = FLAGS_max_frames;
@@ -136,10 +135,6 @@ Trajectory ReadGroundTruth() {
   return ReadTrajectory(path);
 }
 
-std::string InOutput(const std::string& name) {
-  return (std::filesystem::path(FLAGS_output_dir) / name).string();
-}
-
 void ShowProgress(const RunRecord& record, const FrameResult& frame, int total, double seconds) {
   static const bool is_terminal = isatty(STDOUT_FILENO) != 0;
   if (!is_terminal) return;
@@ -153,96 +148,42 @@ void ShowProgress(const RunRecord& record, const FrameResult& frame, int total, 
   std::fflush(stdout);
 }
 
-std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
-  std::vector<PlyPoint> points;
-  for (const MapPoint& point : map_points) {
-    points.push_back({point.p_in_world.cast<float>(),
-                      static_cast<uint8_t>(std::clamp(point.intensity, 0.0f, 255.0f))});
-  }
-  return points;
-}
-
-void PrintMetrics(const TrajectoryMetrics& metrics) {
-  std::printf("ground truth: %d poses matched, ATE %.4f m (SE3)",
-              metrics.matched_count,
-              metrics.ate_rmse_m);
-  if (metrics.sim3) {
-    std::printf(", %.4f m (Sim3), scale %.4f (error %.2f %%)",
-                metrics.sim3->ate_rmse_m,
-                metrics.sim3->scale,
-                metrics.sim3->scale_error_percent);
-  }
-  std::printf(", path %.3f m\n", metrics.path_length_m);
-  if (metrics.segments.size() < 2) return;
-  for (const SegmentMetrics& segment : metrics.segments) {
-    std::printf("  segment from %.3f s to %.3f s: %d poses",
-                1e-9 * static_cast<double>(segment.start_ns),
-                1e-9 * static_cast<double>(segment.end_ns),
-                segment.matched_count);
-    if (segment.ate_rmse_m) std::printf(", ATE %.4f m", *segment.ate_rmse_m);
-    if (segment.scale) std::printf(", scale %.4f", *segment.scale);
-    std::printf(", path %.3f m\n", segment.path_length_m);
-  }
-}
-
 ExitStatus Run() {
   const SequenceOptions sequence_options = SequenceOptionsFromFlags();
   const OdometryOptions odometry_options = OptionsFromFlags();
-  const FrameSource source = OpenSequence(sequence_options);
-  const Trajectory groundtruth = AsPlayed(source, ReadGroundTruth());
-  CreateDirectory(FLAGS_output_dir);
   cv::setNumThreads(FLAGS_threads);
+  Sequence sequence(sequence_options);
+  if (!sequence.grid_report().empty()) std::cout << sequence.grid_report() << std::endl;
+  const Trajectory groundtruth = sequence.play_order().AsPlayed(ReadGroundTruth());
+  CreateDirectory(FLAGS_output_dir);
 
   RunRecord record;
   record.options = EffectiveOptions();
   record.camera_path = FLAGS_camera;
-  record.camera = source.camera;
-  record.sequence_format = source.format;
-  Odometry odometry(source.camera, odometry_options);
+  record.camera = sequence.camera();
+  record.sequence_format = sequence.format();
   ReportRecorder recorder;
   const std::unique_ptr<LiveView> live = StartLiveView(record);
-  Prefetcher frames(source);
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  for (int i = 0; i < source.size(); ++i) {
-    record.frames.push_back(odometry.Process(frames.Next()));
+  Odometry odometry(sequence.camera(), odometry_options);
+  while (std::optional<LightFieldFrame> frame = sequence.Next()) {
+    record.frames.push_back(odometry.Process(std::move(*frame)));
     recorder.Add(record.frames.back(), odometry);
     if (live) live->Publish(recorder.TakeUpdate());
-    ShowProgress(record, record.frames.back(), source.size(), seconds());
+    ShowProgress(record, record.frames.back(), sequence.size(), seconds());
   }
   record.wall_seconds = seconds();
   record.stages = odometry.timer().Summarize();
   record.intensity_sigma = odometry.window().noise.ResidualSigma();
 
-  const Trajectory trajectory = odometry.FrameTrajectory();
-  const auto write = [&](const std::string& name, const Trajectory& as_played) {
-    WriteTrajectory(InOutput(name),
-                    source.passes == 1 ? InFileTimes(source, as_played) : as_played);
-  };
-  write("trajectory.txt", trajectory);
-  write("keyframes.txt", odometry.KeyframeTrajectory());
-  WritePly(InOutput("points.ply"), PlyPoints(odometry.MapPoints()));
-  WriteTextAtomically(InOutput("run.json"), RunToJson(record).dump(1) + "\n");
-  std::printf(
-      "\n%d of %d frames tracked, %d keyframes, %.1f frames a second, %.0f MiB, results in %s\n",
-      CountTracked(record.frames),
-      source.size(),
-      CountKeyframes(record.frames),
-      source.size() / record.wall_seconds,
-      PeakResidentMib(),
-      FLAGS_output_dir.c_str());
-  if (!groundtruth.empty()) {
-    EvaluationOptions evaluation;
-    evaluation.segment_starts_ns = SegmentStarts(record.frames);
-    const TrajectoryMetrics metrics = EvaluateTrajectory(groundtruth, trajectory, evaluation);
-    WriteTextAtomically(InOutput("metrics.json"), MetricsToJson(metrics).dump(1) + "\n");
-    PrintMetrics(metrics);
-  }
+  WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order());
+  if (!groundtruth.empty()) WriteMetrics(FLAGS_output_dir, record, odometry, groundtruth);
   const auto report =
       std::make_shared<const RunReport>(recorder.Finish(record, odometry, groundtruth));
-  WriteReport(InOutput("report.html"), *report);
+  WriteReport((std::filesystem::path(FLAGS_output_dir) / "report.html").string(), *report);
   if (live) {
     RunUpdate end = recorder.TakeUpdate();
     end.finished = report;

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "prism_git_revision.h"
+#include "tools/tool_main.h"
 
 namespace prism {
 namespace {
@@ -132,7 +132,7 @@ RunReport DescribeRun(const RunRecord& record) {
     const std::filesystem::path path = std::filesystem::absolute(sequence->second);
     report.title = (path.has_filename() ? path : path.parent_path()).filename().string();
   }
-  report.git_hash = PRISM_GIT_REVISION;
+  report.git_hash = GitRevision();
   report.options = record.options;
   report.camera = DescribeCamera(record);
   return report;

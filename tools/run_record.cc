@@ -7,7 +7,8 @@
 #include <algorithm>
 
 #include "prism/base/statistics.h"
-#include "prism_git_revision.h"
+#include "prism/base/version.h"
+#include "tools/tool_main.h"
 
 namespace prism {
 namespace {
@@ -122,7 +123,8 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["status"] = tracked == static_cast<int>(record.frames.size()) ? "all tracked"
                    : tracked > 0                                     ? "partly tracked"
                                                                      : "lost";
-  json["git_hash"] = PRISM_GIT_REVISION;
+  json["version"] = kVersion;
+  json["git_hash"] = GitRevision();
   json["options"] = record.options;
   json["camera"] = CameraToJson(record.camera_path, record.camera);
   json["format"] = record.sequence_format;

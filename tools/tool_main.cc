@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 #include <iostream>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include <glog/logging.h>
 
 #include "prism/base/error.h"
+#include "prism/base/version.h"
+#include "prism_git_revision.h"
 
 // gflags ends the program with status 1 on a bad flag; it lets tests replace the function it calls.
 namespace GFLAGS_NAMESPACE {
@@ -42,17 +45,27 @@ void PrintHelp(const ToolDescription& description) {
     std::cout << "  --" << flag.name << "=" << flag.default_value << "  (" << flag.type
               << ")\n      " << flag.description << "\n";
   }
-  std::cout << "  --flagfile=\n      A file of flags, one a line.\n";
+  std::cout << "  --flagfile=\n      A file of flags, one a line.\n  --version\n      Prints "
+               "version and revision.\n";
 }
 
-bool WantsHelp(int argc, char** argv) {
-  return std::any_of(argv + 1, argv + argc, [](const char* argument) {
-    return std::strcmp(argument, "--help") == 0 || std::strcmp(argument, "-help") == 0 ||
-           std::strcmp(argument, "-h") == 0;
+bool HasArgument(int argc, char** argv, std::initializer_list<const char*> names) {
+  return std::any_of(argv + 1, argv + argc, [&](const char* argument) {
+    return std::any_of(names.begin(), names.end(), [&](const char* name) {
+      return std::strcmp(argument, name) == 0;
+    });
   });
 }
 
+ExitStatus ReportBadInput(const ToolDescription& description, const std::string& what) {
+  std::cout.flush();
+  std::cerr << description.name << ": " << what << std::endl;
+  return kExitBadInput;
+}
+
 }  // namespace
+
+std::string GitRevision() { return PRISM_GIT_REVISION; }
 
 std::map<std::string, std::string> EffectiveOptions() {
   std::map<std::string, std::string> options;
@@ -68,8 +81,12 @@ int RunTool(const ToolDescription& description,
             int argc,
             char** argv,
             const std::function<ExitStatus()>& run) {
-  if (WantsHelp(argc, argv)) {
+  if (HasArgument(argc, argv, {"--help", "-help", "-h"})) {
     PrintHelp(description);
+    return kExitDone;
+  }
+  if (HasArgument(argc, argv, {"--version", "-version"})) {
+    std::cout << description.name << " " << kVersion << " (" << GitRevision() << ")" << std::endl;
     return kExitDone;
   }
   GFLAGS_NAMESPACE::gflags_exitfunc = [](int status) {
@@ -86,10 +103,10 @@ int RunTool(const ToolDescription& description,
     }
     std::cout << std::endl;
     return run();
+  } catch (const OptionError& error) {
+    return ReportBadInput(description, "--" + std::string(error.what()));
   } catch (const InputError& error) {
-    std::cout.flush();
-    std::cerr << description.name << ": " << error.what() << std::endl;
-    return kExitBadInput;
+    return ReportBadInput(description, error.what());
   }
 }
 

@@ -18,11 +18,15 @@ struct ToolDescription {
 };
 
 // Parses flags, prints the effective options, runs `run` and turns an InputError into one line on
-// stderr and exit status 2. --help prints summary, usage, example and the program's own flags.
+// stderr and exit status 2; an OptionError is told as one of the flag of that name. --help prints
+// summary, usage, example and the program's own flags, --version `NAME VERSION (GIT REVISION)`.
 int RunTool(const ToolDescription& description,
             int argc,
             char** argv,
             const std::function<ExitStatus()>& run);
+
+// What the program was built from, as `git describe` says it; "unknown" without git.
+std::string GitRevision();
 
 // Name and value of every flag of this program (not of glog and gflags).
 std::map<std::string, std::string> EffectiveOptions();

@@ -120,6 +120,18 @@ bool EvaluationOptions::IsValid(std::string* error) const {
   return true;
 }
 
+const char* ToString(EvaluationStatus status) {
+  switch (status) {
+    case EvaluationStatus::kDone:
+      return "done";
+    case EvaluationStatus::kNoOverlap:
+      return "no overlap in time";
+    case EvaluationStatus::kTooFewMatches:
+      return "fewer than 3 matches";
+  }
+  return "";
+}
+
 TrajectoryMetrics EvaluateTrajectory(const Trajectory& groundtruth,
                                      const Trajectory& estimate,
                                      const EvaluationOptions& options) {

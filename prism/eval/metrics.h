@@ -60,6 +60,8 @@ enum class EvaluationStatus {
   kNoOverlap,      // no pair at all
   kTooFewMatches,  // 1 or 2 pairs
 };
+// "done", "no overlap in time" or "fewer than 3 matches".
+const char* ToString(EvaluationStatus status);
 
 // How far an estimated trajectory is from the true one. Errors are in the units of the ground truth
 // (metres); only counts, coverage and path length are set unless status is kDone.

@@ -7,12 +7,17 @@
 
 #include "prism/camera/projection.h"
 #include "prism/lightfield/focused_image.h"
+#include "prism/lightfield/with_threads.h"
 
 namespace prism {
 
 bool LightFieldOptions::IsValid(std::string* error) const {
   if (pyramid_levels < 1) {
     *error = "pyramid_levels of " + std::to_string(pyramid_levels) + ", expected 1 or more";
+    return false;
+  }
+  if (threads < 0) {
+    *error = "threads of " + std::to_string(threads) + ", expected 0 (one a core) or more";
     return false;
   }
   return preparation.IsValid(error) && depth.IsValid(error);
@@ -24,10 +29,15 @@ LightFieldProcessor::LightFieldProcessor(const PlenopticCamera& camera,
     : camera_(camera),
       options_(options),
       lenses_(camera),
-      preparation_(lenses_, white, options.preparation),
+      preparation_(WithThreads(
+          options.threads, [&] { return RawPreparation(lenses_, white, options.preparation); })),
       depth_(camera, lenses_, options.depth) {}
 
 LightFieldFrame LightFieldProcessor::Process(const RawFrame& frame) {
+  return WithThreads(options_.threads, [&] { return ProcessHere(frame); });
+}
+
+LightFieldFrame LightFieldProcessor::ProcessHere(const RawFrame& frame) {
   LightFieldFrame result;
   result.time_ns = frame.time_ns;
   {

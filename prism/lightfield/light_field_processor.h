@@ -20,6 +20,7 @@ struct LightFieldOptions {
   PreparationOptions preparation;
   DepthOptions depth;
   int pyramid_levels = 5;
+  int threads = 0;  // see WithThreads; 0: one a core
 
   bool IsValid(std::string* error) const;
 };
@@ -49,6 +50,8 @@ class LightFieldProcessor {
   double noise() const { return depth_.noise(); }  // of the raw image, 0 to 255
 
  private:
+  LightFieldFrame ProcessHere(const RawFrame& frame);
+
   PlenopticCamera camera_;
   LightFieldOptions options_;
   LensTable lenses_;

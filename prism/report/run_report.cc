@@ -9,10 +9,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "prism/eval/metrics_json.h"
 #include "prism/eval/series.h"
 #include "prism/io/atomic_file.h"
 #include "prism/report/base64.h"
+#include "prism/report/metrics_json.h"
 #include "prism/report/report_page.h"
 
 namespace prism {

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "prism/eval/metrics_json.h"
 #include "test/eval/test_trajectory.h"
 
 namespace prism {
@@ -132,29 +131,6 @@ TEST(Metrics, AnEstimateThatStandsStillHasAnErrorButNoScale) {
   ASSERT_EQ(metrics.status, EvaluationStatus::kDone);
   EXPECT_NEAR(metrics.ate_rmse_m, Spread(truth), 1e-12);
   EXPECT_FALSE(metrics.sim3.has_value());
-  EXPECT_TRUE(MetricsToJson(metrics)["scale"].is_null());
-}
-
-TEST(MetricsJson, HasAllKeysAndNullForWhatIsMissing) {
-  const Trajectory truth = CurvedTrajectory(300);
-  for (const auto& json : {MetricsToJson(EvaluateTrajectory(truth, truth)),
-                           MetricsToJson(EvaluateTrajectory(truth, {}))}) {
-    for (const char* key : {"ate_rmse_m",
-                            "ate_rmse_sim3_m",
-                            "scale",
-                            "scale_error_percent",
-                            "rpe_trans_rmse_m",
-                            "rpe_rot_rmse_deg",
-                            "path_length_m",
-                            "coverage_percent",
-                            "e_s",
-                            "e_r_deg",
-                            "e_align_m"}) {
-      EXPECT_TRUE(json.contains(key)) << key;
-    }
-  }
-  EXPECT_TRUE(MetricsToJson(EvaluateTrajectory(truth, {}))["ate_rmse_m"].is_null());
-  EXPECT_TRUE(MetricsToJson(EvaluateTrajectory(truth, truth))["e_align_m"].is_number());
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "prism/io/camera_file.h"
@@ -69,25 +68,29 @@ TEST_P(ProcessorOnPlanes, InverseVirtualDepthIsUnbiasedAndTheImageIsTheTexture) 
 
 INSTANTIATE_TEST_SUITE_P(Depths, ProcessorOnPlanes, ::testing::Values(0.2, 0.28, 0.36));
 
+LightFieldOptions WithThreadCount(int threads) {
+  LightFieldOptions options;
+  options.threads = threads;
+  return options;
+}
+
 TEST(Processor, ResultDoesNotDependOnTheNumberOfThreadsNorOnFramesBefore) {
   const PlenopticCamera camera = SmallCamera();
   const RawFrame raw = Frame(RenderPlane(camera, 0.3, WavyTexture, 2, true));
   const RawFrame other = Frame(RenderPlane(camera, 0.22, WavyTexture, 2, true));
-  LightFieldProcessor processor(camera, White(camera), LightFieldOptions{});
-  LightFieldFrame first;
-  {
-    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    first = processor.Process(raw);
+  LightFieldProcessor one_thread(camera, White(camera), WithThreadCount(1));
+  const LightFieldFrame first = one_thread.Process(raw);
+  for (const int threads : {0, 1, 2, 5}) {
+    LightFieldProcessor processor(camera, White(camera), WithThreadCount(threads));
+    processor.Process(other);
+    const LightFieldFrame second = processor.Process(raw);
+    const size_t bytes = sizeof(float) * first.sigma.size();
+    EXPECT_EQ(0,
+              std::memcmp(
+                  first.inverse_virtual_depth.data(), second.inverse_virtual_depth.data(), bytes));
+    EXPECT_EQ(0, std::memcmp(first.sigma.data(), second.sigma.data(), bytes));
+    EXPECT_EQ(0, std::memcmp(first.image[0].data(), second.image[0].data(), bytes));
   }
-  processor.Process(other);
-  const LightFieldFrame second = processor.Process(raw);
-  EXPECT_EQ(0,
-            std::memcmp(first.inverse_virtual_depth.data(),
-                        second.inverse_virtual_depth.data(),
-                        sizeof(float) * first.sigma.size()));
-  EXPECT_EQ(0,
-            std::memcmp(
-                first.image[0].data(), second.image[0].data(), sizeof(float) * first.sigma.size()));
 }
 
 TEST(Processor, FrameWithoutTextureHasAnImageAndNoDepth) {

@@ -99,5 +99,9 @@ for other in "$work/two" "$work/full"; do
   fi
 done
 
+if ! "$program" --version | grep -q '^prism_simulate [0-9.]* (.*)$'; then
+  echo "FAIL: --version"; failures=$((failures + 1))
+fi
+
 echo "$failures failure(s)"
 exit $((failures > 0))

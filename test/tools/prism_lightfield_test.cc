@@ -5,8 +5,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "prism/base/version.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "test/lightfield/synthetic_frame.h"
@@ -58,6 +60,19 @@ TEST_F(PrismLightfieldTest, RefinesTheGridAndSaysHow) {
   const ProgramResult without_white = Run();
   EXPECT_EQ(without_white.exit_status, 0) << without_white.output;
   EXPECT_THAT(without_white.output, HasSubstr("refined on the raw frames"));
+}
+
+TEST_F(PrismLightfieldTest, SaysWhichVersionWroteTheResults) {
+  ASSERT_EQ(Run("--threads=0").exit_status, 0);
+  const auto json = nlohmann::json::parse(ReadTextFile(Path("out/lightfield.json")));
+  EXPECT_EQ(json["version"], kVersion);
+  EXPECT_NE(json["git_hash"], "");
+}
+
+TEST_F(PrismLightfieldTest, ANegativeNumberOfThreadsIsBadInput) {
+  const ProgramResult result = Run("--threads=-1");
+  EXPECT_EQ(result.exit_status, 2) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("--threads: found -1, expected 0 (one a core) or more"));
 }
 
 TEST_F(PrismLightfieldTest, AGridOfAnotherPitchThanTheWhiteImageIsBadInput) {

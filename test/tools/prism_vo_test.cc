@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "prism/base/version.h"
 #include "prism/io/trajectory_file.h"
 #include "test/io/rgbd_folder.h"
 #include "test/tools/run_program.h"
@@ -52,6 +53,7 @@ TEST(PrismVo, TracksARenderedSequenceInMetres) {
   EXPECT_EQ(run["tracked_count"], 20);
   EXPECT_EQ(run["frames"].size(), 20u);
   EXPECT_GT(run["keyframe_count"].get<int>(), 2);
+  EXPECT_EQ(run["version"], kVersion);
   for (const char* key : {"git_hash",
                           "options",
                           "camera",

@@ -8,9 +8,6 @@
 
 namespace prism {
 
-// "done", "no overlap in time" or "fewer than 3 matches".
-const char* ToString(EvaluationStatus status);
-
 // What metrics.json holds: status, matched_count, groundtruth_count, estimate_count,
 // coverage_percent, path_length_m, ate_rmse_m, ate_median_m, ate_max_m, ate_rmse_sim3_m, scale,
 // scale_error_percent, d_s, rpe_trans_rmse_m, rpe_rot_rmse_deg, rpe_over_distance

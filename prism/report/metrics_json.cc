@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The PRISM-VO developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "prism/eval/metrics_json.h"
+#include "prism/report/metrics_json.h"
 
 namespace prism {
 namespace {
@@ -26,18 +26,6 @@ Json DistanceToJson(const DistanceError& entry) {
 }
 
 }  // namespace
-
-const char* ToString(EvaluationStatus status) {
-  switch (status) {
-    case EvaluationStatus::kDone:
-      return "done";
-    case EvaluationStatus::kNoOverlap:
-      return "no overlap in time";
-    case EvaluationStatus::kTooFewMatches:
-      return "fewer than 3 matches";
-  }
-  return "";
-}
 
 Json MetricsToJson(const TrajectoryMetrics& metrics) {
   const bool done = metrics.status == EvaluationStatus::kDone;

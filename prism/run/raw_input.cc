@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The PRISM-VO developers
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/raw_input.h"
+#include "prism/run/raw_input.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/lightfield/grid_estimation.h"
+#include "prism/lightfield/with_threads.h"
 
 namespace prism {
 namespace {
@@ -22,15 +23,13 @@ constexpr double kMinContrastOfFrames = 0.1;  // below that they do not show the
 // Relative. Refocusing the main lens moves the pitch by some 0.1 %; more is another camera's grid.
 constexpr double kMaxPitchChange = 0.003;
 
-RawPixels ReadPixels(const std::string& colour) {
+std::optional<RawPixels> PixelsOf(const std::string& colour) {
   if (colour == "bayer_rggb") return RawPixels::kBayerRggb;
   if (colour == "bayer_bggr") return RawPixels::kBayerBggr;
   if (colour == "bayer_grbg") return RawPixels::kBayerGrbg;
   if (colour == "bayer_gbrg") return RawPixels::kBayerGbrg;
   if (colour == "auto" || colour == "gray" || colour == "colour") return RawPixels::kGray;
-  throw InputError("--colour",
-                   "'" + colour + "'",
-                   "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg");
+  return std::nullopt;
 }
 
 int ChannelsOf(const std::string& colour) {
@@ -141,7 +140,14 @@ void DecideTypeOrder(RawInput* input) {
 
 }  // namespace
 
+bool IsRawColour(const std::string& colour) { return PixelsOf(colour).has_value(); }
+
 RawInput OpenRawInput(const RawInputOptions& options) {
+  const std::optional<RawPixels> pixels = PixelsOf(options.colour);
+  if (!pixels) throw OptionError("colour", "'" + options.colour + "'", kRawColours);
+  if (options.threads < 0) {
+    throw OptionError("threads", std::to_string(options.threads), "0 (one a core) or more");
+  }
   RawInput input;
   input.camera = ReadPlenopticCamera(options.camera);
   if (!options.micro_lens_grid.empty()) {
@@ -150,15 +156,17 @@ RawInput OpenRawInput(const RawInputOptions& options) {
   if (!input.camera.micro_lens_grid) {
     throw InputError(options.camera,
                      "no micro-lens grid",
-                     "one in the camera file or --micro_lens_grid for raw frames");
+                     "one there or in a micro_lens_grid file, for raw frames");
   }
-  input.options.preparation.pixels = ReadPixels(options.colour);
+  input.options.preparation.pixels = *pixels;
+  input.options.threads = options.threads;
   input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
   const std::string white =
       options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
   if (!white.empty()) input.white = ReadWhiteImage(white, input.camera);
-  RefineCameraGrid(options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid,
-                   &input);
+  const std::string grid_path =
+      options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid;
+  WithThreads(options.threads, [&] { RefineCameraGrid(grid_path, &input); });
   DecideTypeOrder(&input);
   return input;
 }

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/run/sequence.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "prism/base/error.h"
+#include "prism/io/camera_file.h"
+#include "prism/io/focused_sequence.h"
+#include "prism/io/raw_sequence.h"
+#include "prism/io/rgbd_sequence.h"
+#include "prism/lightfield/light_field_processor.h"
+#include "prism/run/raw_input.h"
+
+namespace prism {
+namespace {
+
+struct BadOption {
+  std::string name, found, expected;
+};
+
+std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
+  const auto bad = [](const std::string& name, const auto& value, const std::string& expected) {
+    return BadOption{name, std::to_string(value), expected};
+  };
+  const std::string& format = options.format;
+  if (!format.empty() && format != "raw" && format != "focused" && format != "rgbd") {
+    return BadOption{"format", "'" + format + "'", "raw, focused or rgbd"};
+  }
+  if (!IsRawColour(options.colour)) {
+    return BadOption{"colour", "'" + options.colour + "'", kRawColours};
+  }
+  if (options.start_frame < 0) return bad("start_frame", options.start_frame, "0 or more");
+  if (options.max_frames < 0) return bad("max_frames", options.max_frames, "0 (all) or more");
+  if (options.ping_pong < 0) return bad("ping_pong", options.ping_pong, "0 or more passes");
+  if (options.threads < 0) return bad("threads", options.threads, "0 (one a core) or more");
+  const double sigma = options.rgbd.inverse_depth_sigma;
+  if (!(sigma >= 0 && sigma < 0.1)) return bad("rgbd_inverse_depth_sigma", sigma, "0 to 0.1");
+  return std::nullopt;
+}
+
+std::string DetectFormat(const SequenceOptions& options) {
+  if (!std::filesystem::is_directory(options.sequence)) {
+    throw InputError(options.sequence, "no such folder", "a sequence folder");
+  }
+  if (!options.format.empty()) return options.format;
+  if (IsRawSequence(options.sequence)) return "raw";
+  if (IsFocusedSequence(options.sequence)) return "focused";
+  if (IsRgbdSequence(options.sequence)) return "rgbd";
+  throw InputError(options.sequence,
+                   "neither raw.txt, focused.txt nor rgb.txt or associations.txt",
+                   "a sequence in one of these layouts");
+}
+
+// What the layouts have in common.
+struct Layout {
+  PlenopticCamera camera;
+  std::string grid_report;
+  std::vector<int64_t> times_ns;
+  std::function<LightFieldFrame(int file_index)> read;
+};
+
+template <typename Reader>
+std::vector<int64_t> TimesOf(const Reader& reader) {
+  std::vector<int64_t> times_ns;
+  for (int i = 0; i < reader.size(); ++i) times_ns.push_back(reader.time_ns(i));
+  return times_ns;
+}
+
+Layout OpenRgbd(const SequenceOptions& options) {
+  auto reader = std::make_shared<const RgbdSequence>(
+      options.sequence, ReadPlenopticCamera(options.camera), options.rgbd);
+  return {
+      reader->camera(), "", TimesOf(*reader), [reader](int index) { return reader->Read(index); }};
+}
+
+Layout OpenFocused(const SequenceOptions& options) {
+  const PlenopticCamera camera = ReadPlenopticCamera(options.camera);
+  auto reader = std::make_shared<const FocusedSequence>(options.sequence, camera);
+  return {camera, "", TimesOf(*reader), [reader](int index) { return reader->Read(index); }};
+}
+
+Layout OpenRaw(const SequenceOptions& options) {
+  RawInput input = OpenRawInput({options.sequence,
+                                 options.camera,
+                                 options.micro_lens_grid,
+                                 options.white_image,
+                                 options.colour,
+                                 options.threads});
+  auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
+  auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
+  return {input.camera, input.grid_report, TimesOf(*reader), [reader, processor](int index) {
+            return processor->Process(reader->Read(index));
+          }};
+}
+
+Layout OpenLayout(const std::string& format, const SequenceOptions& options) {
+  if (format == "rgbd") return OpenRgbd(options);
+  if (format == "focused") return OpenFocused(options);
+  return OpenRaw(options);
+}
+
+PlayOrder OrderFrames(const std::vector<int64_t>& times_ns, const SequenceOptions& options) {
+  const int count = static_cast<int>(times_ns.size());
+  if (options.start_frame >= count) {
+    throw OptionError(
+        "start_frame",
+        std::to_string(options.start_frame),
+        "0 to " + std::to_string(count - 1) + ", the last frame of " + options.sequence);
+  }
+  const int available = count - options.start_frame;
+  const int length = options.max_frames > 0 ? std::min(options.max_frames, available) : available;
+  const auto first = times_ns.begin() + options.start_frame;
+  return PlayOrder({first, first + length}, {options.reverse, std::max(options.ping_pong, 1)});
+}
+
+}  // namespace
+
+bool SequenceOptions::IsValid(std::string* error) const {
+  const std::optional<BadOption> bad = FindBadOption(*this);
+  if (bad) *error = bad->name + " of " + bad->found + ", expected " + bad->expected;
+  return !bad;
+}
+
+Sequence::Sequence(const SequenceOptions& options) {
+  if (const std::optional<BadOption> bad = FindBadOption(options)) {
+    throw OptionError(bad->name, bad->found, bad->expected);
+  }
+  format_ = DetectFormat(options);
+  Layout layout = OpenLayout(format_, options);
+  camera_ = layout.camera;
+  grid_report_ = std::move(layout.grid_report);
+  play_order_ = OrderFrames(layout.times_ns, options);
+  start_frame_ = options.start_frame;
+  read_ = std::move(layout.read);
+}
+
+void Sequence::ReadAhead() {
+  while (pending_.size() < kAhead && next_to_read_ < size()) {
+    const int index = start_frame_ + play_order_->file_index(next_to_read_++);
+    pending_.push_back(std::async(std::launch::async, [this, index] {
+      const std::lock_guard<std::mutex> lock(read_mutex_);
+      return read_(index);
+    }));
+  }
+}
+
+std::optional<LightFieldFrame> Sequence::Next() {
+  ReadAhead();
+  if (pending_.empty()) return std::nullopt;
+  std::future<LightFieldFrame> future = std::move(pending_.front());
+  pending_.pop_front();
+  const int n = next_to_return_++;
+  LightFieldFrame frame = future.get();
+  frame.time_ns = play_order_->time_ns(n);
+  ReadAhead();
+  return frame;
+}
+
+}  // namespace prism

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/io/rgbd_to_plenoptic.h"
+#include "prism/run/play_order.h"
+#include "prism/scene/frame.h"
+
+namespace prism {
+
+// What a user says of a sequence. Only `sequence` and `camera` have to be said.
+struct SequenceOptions {
+  std::string sequence;  // folder
+  std::string camera;    // file; for RGB-D input the plenoptic camera to stand in for
+  std::string format;    // "raw", "focused" or "rgbd"; empty: by what the folder holds
+
+  // Of raw frames.
+  std::string micro_lens_grid;  // file; empty: the camera file's own grid
+  std::string white_image;      // file; empty: the folder's white.png, else none
+  std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
+  int threads = 0;              // that process a frame; 0: one a core
+
+  RgbdConversionOptions rgbd;  // of RGB-D frames
+
+  int start_frame = 0;   // first frame of the file that is played
+  int max_frames = 0;    // frames played in a pass; 0: all
+  bool reverse = false;  // the first pass is played backwards
+  int ping_pong = 0;     // number of passes, forwards and backwards in turn; 0: one
+
+  // As far as it can be told without a look at the files.
+  bool IsValid(std::string* error) const;
+};
+
+// A sequence in one of the layouts that sequences/README.md describes, from which frames come in
+// the order they are played, ready for Odometry::Process:
+//
+//   Sequence sequence(options);
+//   Odometry odometry(sequence.camera(), OdometryOptions());
+//   while (std::optional<LightFieldFrame> frame = sequence.Next()) {
+//     odometry.Process(std::move(*frame));
+//   }
+//
+// Raw frames are turned into depth and focused image on the way; their micro-lens grid is refined
+// on the white image, or on some frames where there is none (raw_input.h).
+class Sequence {
+ public:
+  // Throws OptionError for a value that does not fit, also one IsValid cannot tell, and InputError
+  // for a file that does not.
+  explicit Sequence(const SequenceOptions& options);
+  Sequence(const Sequence&) = delete;
+  Sequence& operator=(const Sequence&) = delete;
+
+  const std::string& format() const { return format_; }      // raw, focused or rgbd
+  const PlenopticCamera& camera() const { return camera_; }  // raw: with the refined grid
+  const PlayOrder& play_order() const { return *play_order_; }
+  // What the refinement of the grid of a raw sequence found, one line; else empty.
+  const std::string& grid_report() const { return grid_report_; }
+
+  // Frames that are played, those already returned among them.
+  int size() const { return play_order_->size(); }
+
+  // The next frame with its time as played; nothing at the end. From the first call on, the frames
+  // behind it are read in threads of their own while the caller works on this one. Throws
+  // InputError if the frame cannot be read; the call after that goes on with the one behind it.
+  std::optional<LightFieldFrame> Next();
+
+ private:
+  static constexpr size_t kAhead = 3;  // frames
+
+  void ReadAhead();
+
+  std::string format_;
+  PlenopticCamera camera_;
+  std::string grid_report_;
+  std::optional<PlayOrder> play_order_;
+  int start_frame_ = 0;
+  std::function<LightFieldFrame(int file_index)> read_;
+
+  std::mutex read_mutex_;  // one frame at a time: raw frames share a processor
+  int next_to_read_ = 0;
+  int next_to_return_ = 0;
+  // Destroyed first, which waits for the threads.
+  std::deque<std::future<LightFieldFrame>> pending_;
+};
+
+}  // namespace prism

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/run_output.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "prism/eval/metrics.h"
+#include "prism/io/atomic_file.h"
+#include "prism/io/ply_file.h"
+#include "prism/io/trajectory_file.h"
+#include "prism/report/metrics_json.h"
+
+namespace prism {
+namespace {
+
+std::string InFolder(const std::string& folder, const std::string& name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
+std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
+  std::vector<PlyPoint> points;
+  for (const MapPoint& point : map_points) {
+    points.push_back({point.p_in_world.cast<float>(),
+                      static_cast<uint8_t>(std::clamp(point.intensity, 0.0f, 255.0f))});
+  }
+  return points;
+}
+
+void PrintMetrics(const TrajectoryMetrics& metrics) {
+  std::printf("ground truth: %d poses matched, ATE %.4f m (SE3)",
+              metrics.matched_count,
+              metrics.ate_rmse_m);
+  if (metrics.sim3) {
+    std::printf(", %.4f m (Sim3), scale %.4f (error %.2f %%)",
+                metrics.sim3->ate_rmse_m,
+                metrics.sim3->scale,
+                metrics.sim3->scale_error_percent);
+  }
+  std::printf(", path %.3f m\n", metrics.path_length_m);
+  if (metrics.segments.size() < 2) return;
+  for (const SegmentMetrics& segment : metrics.segments) {
+    std::printf("  segment from %.3f s to %.3f s: %d poses",
+                1e-9 * static_cast<double>(segment.start_ns),
+                1e-9 * static_cast<double>(segment.end_ns),
+                segment.matched_count);
+    if (segment.ate_rmse_m) std::printf(", ATE %.4f m", *segment.ate_rmse_m);
+    if (segment.scale) std::printf(", scale %.4f", *segment.scale);
+    std::printf(", path %.3f m\n", segment.path_length_m);
+  }
+}
+
+}  // namespace
+
+void WriteRun(const std::string& folder,
+              const RunRecord& record,
+              const Odometry& odometry,
+              const PlayOrder& play_order) {
+  WriteTrajectory(InFolder(folder, "trajectory.txt"),
+                  play_order.InFileTimes(odometry.FrameTrajectory()));
+  WriteTrajectory(InFolder(folder, "keyframes.txt"),
+                  play_order.InFileTimes(odometry.KeyframeTrajectory()));
+  WritePly(InFolder(folder, "points.ply"), PlyPoints(odometry.MapPoints()));
+  WriteTextAtomically(InFolder(folder, "run.json"), RunToJson(record).dump(1) + "\n");
+  std::printf(
+      "\n%d of %zu frames tracked, %d keyframes, %.1f frames a second, %.0f MiB, results in %s\n",
+      CountTracked(record.frames),
+      record.frames.size(),
+      CountKeyframes(record.frames),
+      static_cast<double>(record.frames.size()) / record.wall_seconds,
+      PeakResidentMib(),
+      folder.c_str());
+}
+
+void WriteMetrics(const std::string& folder,
+                  const RunRecord& record,
+                  const Odometry& odometry,
+                  const Trajectory& groundtruth) {
+  EvaluationOptions options;
+  options.segment_starts_ns = SegmentStarts(record.frames);
+  const TrajectoryMetrics metrics =
+      EvaluateTrajectory(groundtruth, odometry.FrameTrajectory(), options);
+  WriteTextAtomically(InFolder(folder, "metrics.json"), MetricsToJson(metrics).dump(1) + "\n");
+  PrintMetrics(metrics);
+}
+
+}  // namespace prism

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "prism/odometry/odometry.h"
+#include "prism/run/play_order.h"
+#include "prism/scene/trajectory.h"
+#include "tools/run_record.h"
+
+namespace prism {
+
+// Writes trajectory.txt, keyframes.txt, points.ply and run.json into the folder and prints the
+// run's figures in a line. Throws InputError if a file cannot be written.
+void WriteRun(const std::string& folder,
+              const RunRecord& record,
+              const Odometry& odometry,
+              const PlayOrder& play_order);
+
+// Compares with the ground truth, as it was played, writes metrics.json into the folder and prints
+// the main figures. Throws InputError if the file cannot be written.
+void WriteMetrics(const std::string& folder,
+                  const RunRecord& record,
+                  const Odometry& odometry,
+                  const Trajectory& groundtruth);
+
+}  // namespace prism
