@@ -97,8 +97,8 @@ OdometryOptions OptionsFromFlags() {
   options.window.graph.first_estimates = FLAGS_first_estimate_jacobians;
   options.window.graph.affine_brightness = FLAGS_affine_brightness;
   options.default_terms.robust_loss = FLAGS_robust_loss;
-  options.tracker.alignment.affine_brightness = FLAGS_affine_brightness;
-  options.tracker.alignment.robust = FLAGS_robust_loss;
+  options.tracker.alignment.level.affine_brightness = FLAGS_affine_brightness;
+  options.tracker.alignment.level.robust = FLAGS_robust_loss;
   std::string error;
   if (!options.IsValid(&error)) throw InputError("command line", error, "valid options");
   return options;

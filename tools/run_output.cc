@@ -72,6 +72,16 @@ void WriteRun(const std::string& folder,
       static_cast<double>(record.frames.size()) / record.wall_seconds,
       PeakResidentMib(),
       folder.c_str());
+  int poor = 0, not_solved = 0;
+  for (const FrameResult& frame : record.frames) {
+    poor += frame.keyframe.status == KeyframeStatus::kPoorFit;
+    not_solved += frame.keyframe.status == KeyframeStatus::kNotSolved;
+  }
+  if (poor + not_solved > 0) {
+    std::printf("of the keyframes' windows %d fit poorly, %d could not be solved (run.json)\n",
+                poor,
+                not_solved);
+  }
 }
 
 void WriteMetrics(const std::string& folder,

@@ -60,8 +60,8 @@ bool UpdateCandidate(const CandidateOptions& options,
 
 bool CandidateOptions::IsValid(std::string* error) const {
   if (!search.IsValid(error)) return false;
-  if (max_per_keyframe >= 0 && search_sigmas > 0 && max_rho > 0 && max_failures >= 1 &&
-      max_relative_sigma > 0) {
+  if (max_per_keyframe >= 0 && search_sigmas > 0 && max_rho > 0 && consistency_sigmas > 0 &&
+      max_failures >= 1 && min_matches >= 0 && max_relative_sigma > 0) {
     return true;
   }
   *error = "candidates need positive limits";
@@ -113,8 +113,14 @@ bool ActivateCandidate(size_t host_index,
   point->w_measured = candidate.w_measured;
   point->w_sigma = candidate.w_sigma;
   const DepthRefinement refined = refiner->Refine(host_index, *point);
-  if (!refined.success) return false;
-  point->rho = refined.rho;
+  if (refined.factors == 0) {
+    point->rho_sigma = std::sqrt(candidate.rho_variance);
+  } else if (refined.success) {
+    point->rho = refined.rho;
+    point->rho_sigma = std::sqrt(refined.rho_variance);
+  } else {
+    return false;
+  }
   window->keyframes[host_index]->points.push_back(std::move(point));
   return true;
 }

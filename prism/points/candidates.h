@@ -40,7 +40,8 @@ void UpdateCandidates(const CandidateOptions& options,
                       Window* window);
 
 // Turns a candidate of `window->keyframes[host_index]` into a point of it, with the depth that
-// `refiner` (of this window) finds; false if that fails.
+// `refiner` (of this window) finds; false if that fails. Where no term speaks of it (without depth
+// residuals, in the first keyframe) it keeps the candidate's depth.
 bool ActivateCandidate(size_t host_index,
                        const Candidate& candidate,
                        DepthRefiner* refiner,

@@ -43,12 +43,13 @@ class PatchMatcher {
 }  // namespace
 
 bool EpipolarSearchOptions::IsValid(std::string* error) const {
-  if (step > 0 && max_length > min_length && min_length > 0 && max_rms > 0 && min_uniqueness >= 1) {
+  if (step > 0 && max_length > min_length && min_length > 0 && max_rms > 0 && min_uniqueness >= 1 &&
+      uniqueness_radius >= 0 && refinement_iterations >= 0) {
     return true;
   }
   *error =
       "the epipolar search needs a positive step and RMS, a longest length above the shortest "
-      "and a uniqueness of 1 or more";
+      "a uniqueness of 1 or more, and a radius and iterations of 0 or more";
   return false;
 }
 

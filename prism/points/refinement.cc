@@ -73,6 +73,7 @@ DepthRefinement DepthRefiner::Refine(size_t host_index, const Point& point) {
   }
 
   DepthRefinement result;
+  result.factors = static_cast<int>(graph_.factors().size());
   double rho = point.rho;
   NormalEquation equation = Evaluate(rho);
   double damping = 1;

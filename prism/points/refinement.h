@@ -14,7 +14,8 @@ struct DepthRefinement {
   double rho = 0;           // 1/m
   double rho_variance = 0;  // 1/m^2, of all factors of the point together
   double rms = 0;           // of the factors that tie it to frames, in standard deviations
-  int observations = 0;     // factors that tie it to frames
+  int factors = 0;          // of the point; 0: nothing speaks of its depth
+  int observations = 0;     // of them, those that tie it to frames
 };
 
 struct RefinementOptions {

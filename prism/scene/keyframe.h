@@ -18,6 +18,9 @@ namespace prism {
 struct Point {
   PhotometricPatch patch;
   double rho = 0;  // metric inverse depth in the host frame, 1/m
+  // Standard deviation of rho, poses held, from all that is known of the point; 0: not known
+  // yet, and the depth is taken as it is.
+  double rho_sigma = 0;
   // Measured inverse virtual depth and its standard deviation; sigma 0 = no measurement.
   double w_measured = 0;
   double w_sigma = 0;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/solver/linearize.h"
 
+#include <algorithm>
+
 #include <glog/logging.h>
 
 namespace prism {
@@ -125,6 +127,35 @@ std::vector<TermFit> EvaluateTermFits(const FactorGraph& graph, int num_terms) {
     if (fit.factors > 0) fit.variance_factor /= fit.factors;
   }
   return fits;
+}
+
+std::vector<double> ScalarInformation(const FactorGraph& graph,
+                                      const std::vector<TermFit>& term_fits) {
+  std::vector<double> information(graph.blocks().size(), 0);
+  std::vector<const double*> parameters;
+  std::vector<double*> jacobians;
+  Eigen::VectorXd r, J;
+  for (const FactorGraph::Factor& factor : graph.factors()) {
+    for (int k = 0; k < factor.num_blocks; ++k) {
+      const int block = graph.BlocksOf(factor)[k];
+      if (graph.blocks()[block].kind->size != 1) continue;
+      r.resize(factor.cost->num_residuals());
+      J.resize(factor.cost->num_residuals());
+      parameters.clear();
+      for (int i = 0; i < factor.num_blocks; ++i) {
+        parameters.push_back(graph.values(graph.BlocksOf(factor)[i]));
+      }
+      jacobians.assign(factor.num_blocks, nullptr);
+      jacobians[k] = J.data();
+      CHECK(factor.cost->Evaluate(parameters.data(), r.data(), jacobians.data()));
+      const double s = r.squaredNorm();
+      double rho[3] = {s, 1, 0};
+      if (factor.loss != nullptr) factor.loss->Evaluate(s, rho);
+      information[block] +=
+          rho[1] * J.squaredNorm() / std::max(term_fits[factor.term].variance_factor, 1.0);
+    }
+  }
+  return information;
 }
 
 }  // namespace prism

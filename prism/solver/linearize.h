@@ -59,4 +59,10 @@ struct TermFit {
 // One a term, `num_terms` of them.
 std::vector<TermFit> EvaluateTermFits(const FactorGraph& graph, int num_terms);
 
+// Information (inverse variance) of blocks of size 1 with all others held: the weighted sum of the
+// squared derivatives of their factors, each divided by its term's variance factor where that is
+// above 1 (residuals larger than stated tell less). One number a block; 0 for other blocks.
+std::vector<double> ScalarInformation(const FactorGraph& graph,
+                                      const std::vector<TermFit>& term_fits);
+
 }  // namespace prism

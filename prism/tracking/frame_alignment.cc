@@ -6,165 +6,13 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
-#include "prism/image/interpolation.h"
-#include "prism/image/patch.h"
-
 namespace prism {
 namespace {
 
-using Vector8d = Eigen::Matrix<double, 8, 1>;
-using Matrix8d = Eigen::Matrix<double, 8, 8>;
-
-// Robust cost over all samples of a level at one state; samples outside the image cost nothing and
-// outliers the same wherever they are, so costs are compared per visible sample.
-struct LevelCost {
-  double energy = 0;         // sum of weighted robust squares
-  double squared_error = 0;  // sum of squared residuals of inliers
-  int visible = 0;
-  int inliers = 0;
-  double PerSample() const { return visible > 0 ? energy / visible : INFINITY; }
-};
-
-class LevelProblem {
- public:
-  LevelProblem(const std::vector<TrackingReference::Sample>& samples,
-               const PlenopticProjection& camera,
-               const ImageViewF& image,
-               const AlignmentOptions& options,
-               double huber_threshold,
-               double outlier_threshold)
-      : samples_(samples),
-        camera_(camera),
-        image_(image),
-        robust_(options.robust),
-        huber_threshold_(huber_threshold),
-        outlier_threshold_(outlier_threshold) {}
-
-  // With H and g (gradient of half the energy) over [pose; a; b] if asked for.
-  LevelCost Evaluate(const AlignmentState& state, Matrix8d* H, Vector8d* g) const {
-    if (H != nullptr) {
-      H->setZero();
-      g->setZero();
-    }
-    LevelCost cost;
-    const RelativeState relative{state.target_from_reference, std::exp(state.a), state.b};
-    const ScaledProjection projection(camera_);
-    const double huber = huber_threshold_;
-    PixelResidual residual;
-    for (const TrackingReference::Sample& sample : samples_) {
-      if (!EvaluatePixel(sample.pixel,
-                         sample.rho,
-                         relative,
-                         projection,
-                         camera_.f,
-                         image_,
-                         H != nullptr,
-                         &residual)) {
-        continue;
-      }
-      ++cost.visible;
-      const double r = residual.value;
-      const double magnitude = std::abs(r);
-      if (magnitude > outlier_threshold_) {
-        cost.energy += sample.pixel.weight * RobustSquare(outlier_threshold_);
-        continue;
-      }
-      ++cost.inliers;
-      cost.squared_error += r * r;
-      cost.energy += sample.pixel.weight * RobustSquare(magnitude);
-      if (H == nullptr) continue;
-      const double weight = robust_ && magnitude > huber ? sample.pixel.weight * huber / magnitude
-                                                         : sample.pixel.weight;
-      const Vector8d& J = residual.J_state;
-      const Vector8d weighted = weight * J;
-      // Upper triangle only.
-      for (int row = 0; row < 8; ++row) {
-        for (int column = row; column < 8; ++column) (*H)(row, column) += weighted[row] * J[column];
-      }
-      *g += weighted * r;
-    }
-    if (H != nullptr) H->triangularView<Eigen::StrictlyLower>() = H->transpose();
-    return cost;
-  }
-
- private:
-  double RobustSquare(double magnitude) const {
-    const double huber = huber_threshold_;
-    if (!robust_ || magnitude <= huber) return magnitude * magnitude;
-    return huber * (2 * magnitude - huber);
-  }
-
-  const std::vector<TrackingReference::Sample>& samples_;
-  const PlenopticProjection& camera_;
-  const ImageViewF image_;
-  const bool robust_;
-  const double huber_threshold_;    // intensities
-  const double outlier_threshold_;  // intensities
-};
-
-AlignmentState Updated(const AlignmentState& state, const Vector8d& step) {
-  AlignmentState updated;
-  updated.target_from_reference = SE3::Exp(step.head<6>()) * state.target_from_reference;
-  updated.a = state.a + step[6];
-  updated.b = state.b + step[7];
-  return updated;
-}
-
-// Levenberg-Marquardt on one level; returns the number of iterations.
-int AlignLevel(const LevelProblem& problem,
-               const AlignmentOptions& options,
-               AlignmentState* state) {
-  Matrix8d H;
-  Vector8d g;
-  LevelCost cost = problem.Evaluate(*state, &H, &g);
-  double lambda = 0.01;
-  int iteration = 0;
-  for (; iteration < options.max_iterations && cost.visible > 0; ++iteration) {
-    Matrix8d damped = H;
-    damped.diagonal() *= 1 + lambda;
-    damped.diagonal().array() += 1e-9;
-    Vector8d rhs = -g;
-    if (!options.affine_brightness) {
-      damped.rightCols<2>().setZero();
-      damped.bottomRows<2>().setZero();
-      damped.bottomRightCorner<2, 2>().setIdentity();
-      rhs.tail<2>().setZero();
-    }
-    const Vector8d step = damped.ldlt().solve(rhs);
-    if (!step.allFinite()) break;
-    const AlignmentState candidate = Updated(*state, step);
-    const LevelCost candidate_cost = problem.Evaluate(candidate, nullptr, nullptr);
-    // A step that throws points out of the image is no improvement.
-    const bool better =
-        candidate_cost.PerSample() < cost.PerSample() && candidate_cost.visible > cost.visible / 2;
-    if (better) {
-      const double gain = 1 - candidate_cost.PerSample() / cost.PerSample();
-      *state = candidate;
-      lambda = std::max(lambda * 0.25, 1e-6);
-      cost = problem.Evaluate(*state, &H, &g);
-      if (gain < 1e-4) break;
-    } else {
-      if (lambda > 1e3) break;
-      lambda = std::max(lambda * 8, 1e-3);
-    }
-  }
-  return iteration;
-}
-
-LevelProblem MakeLevelProblem(const TrackingReference& reference,
-                              const ImagePyramid& target,
-                              int level,
-                              const NoiseModel& noise,
-                              const AlignmentOptions& options,
-                              double widening = 1) {
-  return LevelProblem(reference.levels[level],
-                      reference.cameras[level],
-                      target[level],
-                      options,
-                      options.huber * noise.FitSigma(),
-                      widening * options.outlier * noise.FitSigma());
+std::vector<double> InverseDepths(const TrackingReference& reference) {
+  std::vector<double> rho;
+  for (const ReferencePoint& point : reference.points) rho.push_back(point.rho);
+  return rho;
 }
 
 int AlignOnLevel(const TrackingReference& reference,
@@ -172,17 +20,19 @@ int AlignOnLevel(const TrackingReference& reference,
                  int level,
                  const NoiseModel& noise,
                  const AlignmentOptions& options,
-                 AlignmentState* state) {
+                 AlignmentState* state,
+                 std::vector<double>* rho) {
   // Far from the solution most residuals are large: widen the threshold until most count.
   double widening = 1;
   for (int doubling = 0; doubling < 4; ++doubling) {
-    const LevelCost cost = MakeLevelProblem(reference, target, level, noise, options, widening)
-                               .Evaluate(*state, nullptr, nullptr);
+    const LevelCost cost =
+        LevelAlignment(reference, target[level], level, noise, options.level, widening)
+            .Evaluate(*state, *rho);
     if (cost.inliers > 0.6 * cost.visible) break;
     widening *= 2;
   }
-  return AlignLevel(
-      MakeLevelProblem(reference, target, level, noise, options, widening), options, state);
+  return LevelAlignment(reference, target[level], level, noise, options.level, widening)
+      .Align(level < options.free_depth_levels, state, rho);
 }
 
 int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
@@ -191,14 +41,14 @@ int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
 
 // Projects the sample's point moved by a motion; false at or inside the focal length.
 bool ProjectSample(const TrackingReference::Sample& sample,
+                   double rho,
                    const PlenopticProjection& camera,
                    const RigidMotion& motion,
                    Eigen::Vector2d* px) {
-  const double k = 1 - sample.rho * camera.f;
+  const double k = 1 - rho * camera.f;
   const Eigen::Vector3d ray(sample.pixel.m.x() * k, sample.pixel.m.y() * k, 1);
   ScaledProjection::Pixel pixel;
-  if (!ScaledProjection(camera).Project(
-          motion.R * ray + sample.rho * motion.t, sample.rho, &pixel)) {
+  if (!ScaledProjection(camera).Project(motion.R * ray + rho * motion.t, rho, &pixel)) {
     return false;
   }
   *px = {pixel.x, pixel.y};
@@ -213,10 +63,11 @@ void MeasureFlow(const TrackingReference& reference, FrameAlignmentResult* resul
   double sum = 0, translation_sum = 0;
   int count = 0;
   for (const TrackingReference::Sample& sample : reference.levels[0]) {
+    const double rho = reference.points[sample.point].rho;
     Eigen::Vector2d start, moved, shifted;
-    if (!ProjectSample(sample, camera, RigidMotion(), &start) ||
-        !ProjectSample(sample, camera, motion, &moved) ||
-        !ProjectSample(sample, camera, translation, &shifted)) {
+    if (!ProjectSample(sample, rho, camera, RigidMotion(), &start) ||
+        !ProjectSample(sample, rho, camera, motion, &moved) ||
+        !ProjectSample(sample, rho, camera, translation, &shifted)) {
       continue;
     }
     sum += (moved - start).squaredNorm();
@@ -238,40 +89,14 @@ AlignmentStatus Judge(const FrameAlignmentResult& result, const AlignmentOptions
 }  // namespace
 
 bool AlignmentOptions::IsValid(std::string* error) const {
-  if (max_iterations >= 1 && huber > 0 && outlier > huber) return possible.IsValid(error);
-  *error =
-      "alignment needs an iteration or more and a positive Huber threshold below the outlier "
-      "threshold";
-  return false;
-}
-
-TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
-                                        const ImagePyramid& image,
-                                        const std::vector<ReferencePoint>& points) {
-  TrackingReference reference;
-  constexpr double c2 = kGradientConstant * kGradientConstant;
-  for (size_t level = 0; level < image.size(); ++level) {
-    const PlenopticProjection projection(camera, static_cast<int>(level));
-    std::vector<TrackingReference::Sample> samples;
-    const double scale = std::ldexp(1.0, -static_cast<int>(level));
-    for (const ReferencePoint& point : points) {
-      const Eigen::Vector2d center = (point.px.array() + 0.5) * scale - 0.5;
-      // A pattern this small is taken to have one depth.
-      for (int k = 0; k < kPatternSize; ++k) {
-        const bool is_center = kPattern[k][0] == 0 && kPattern[k][1] == 0;
-        if (level > 0 && !is_center) continue;
-        const Eigen::Vector2d px = center + Eigen::Vector2d(kPattern[k][0], kPattern[k][1]);
-        if (!image[level].view().Contains(px.x(), px.y(), 1)) continue;
-        const InterpolatedValue value = InterpolateBilinear(image[level], px.x(), px.y());
-        const Eigen::Vector2d m = (px - projection.c) * (projection.s / projection.f);
-        const double gradient2 = value.dx * value.dx + value.dy * value.dy;
-        samples.push_back({{m, value.value, c2 / (c2 + gradient2)}, point.rho});
-      }
-    }
-    reference.cameras.push_back(projection);
-    reference.levels.push_back(std::move(samples));
+  if (level.max_iterations >= 1 && level.huber > 0 && level.outlier > level.huber &&
+      level.depth_huber > 0 && free_depth_levels >= 0) {
+    return possible.IsValid(error);
   }
-  return reference;
+  *error =
+      "alignment needs an iteration or more, positive Huber thresholds, the photometric one below "
+      "the outlier threshold, and 0 levels or more with free depths";
+  return false;
 }
 
 std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
@@ -282,15 +107,17 @@ std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
   const int num_levels = NumLevels(reference, target);
   if (num_levels == 0 || reference.empty()) return {};
   const int level = num_levels - 1;
-  const LevelProblem problem = MakeLevelProblem(reference, target, level, noise, options);
+  const LevelAlignment problem(reference, target[level], level, noise, options.level);
   const double num_samples = static_cast<double>(reference.levels[level].size());
   using Fit = std::pair<double, AlignmentState>;  // with its cost
   const auto align_all = [&](int max_iterations, std::vector<Fit>* fits) {
     AlignmentOptions few = options;
-    few.max_iterations = std::min(max_iterations, options.max_iterations);
+    few.free_depth_levels = 0;
+    few.level.max_iterations = std::min(max_iterations, options.level.max_iterations);
     for (auto& [cost, state] : *fits) {
-      AlignOnLevel(reference, target, level, noise, few, &state);
-      const LevelCost reached = problem.Evaluate(state, nullptr, nullptr);
+      std::vector<double> rho = InverseDepths(reference);
+      AlignOnLevel(reference, target, level, noise, few, &state, &rho);
+      const LevelCost reached = problem.Evaluate(state);
       const bool possible =
           reached.visible >= options.possible.min_visible_fraction * num_samples &&
           std::abs(state.a) <= options.possible.max_log_gain;
@@ -307,7 +134,7 @@ std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
   for (const AlignmentState& start : starts) fits.emplace_back(0, start);
   align_all(kFirstIterations, &fits);
   if (fits.size() > kMaxFits) fits.resize(kMaxFits);
-  align_all(options.max_iterations, &fits);
+  align_all(options.level.max_iterations, &fits);
   std::vector<AlignmentState> minima;
   for (const auto& [cost, fit] : fits) {
     if (std::isinf(cost)) break;
@@ -326,9 +153,10 @@ bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE
   double sum = 0;
   int count = 0;
   for (const TrackingReference::Sample& sample : reference.levels.back()) {
+    const double rho = reference.points[sample.point].rho;
     Eigen::Vector2d px_left, px_right;
-    if (ProjectSample(sample, camera, motion_left, &px_left) &&
-        ProjectSample(sample, camera, motion_right, &px_right)) {
+    if (ProjectSample(sample, rho, camera, motion_left, &px_left) &&
+        ProjectSample(sample, rho, camera, motion_right, &px_right)) {
       sum += (px_left - px_right).squaredNorm();
       ++count;
     }
@@ -348,11 +176,13 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
     result.status = AlignmentStatus::kTooFewPoints;
     return result;
   }
+  std::vector<double> rho = InverseDepths(reference);
   for (int level = num_levels - 1; level >= 0; --level) {
-    result.iterations += AlignOnLevel(reference, target, level, noise, options, &result.state);
+    result.iterations +=
+        AlignOnLevel(reference, target, level, noise, options, &result.state, &rho);
     if (level > 0) continue;
-    const LevelCost cost = MakeLevelProblem(reference, target, 0, noise, options)
-                               .Evaluate(result.state, nullptr, nullptr);
+    const LevelCost cost =
+        LevelAlignment(reference, target[0], 0, noise, options.level).Evaluate(result.state, rho);
     result.inliers = cost.inliers;
     result.rms = cost.inliers > 0 ? std::sqrt(cost.squared_error / cost.inliers) : INFINITY;
     result.fit.rms = result.rms / noise.FitSigma();

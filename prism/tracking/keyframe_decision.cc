@@ -8,10 +8,11 @@ namespace prism {
 
 bool KeyframeOptions::IsValid(std::string* error) const {
   if (max_translation_flow > 0 && max_flow > 0 && max_rotation > 0 && max_log_gain > 0 &&
-      max_rms_ratio > 1) {
+      max_rms_ratio > 1 && min_visible_fraction >= 0 && min_visible_fraction <= 1) {
     return true;
   }
-  *error = "keyframe limits must be positive and the RMS ratio above 1";
+  *error =
+      "keyframe limits must be positive, the RMS ratio above 1 and the visible fraction in [0, 1]";
   return false;
 }
 

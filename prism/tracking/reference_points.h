@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "prism/scene/window.h"
-#include "prism/tracking/frame_alignment.h"
+#include "prism/tracking/tracking_reference.h"
 
 namespace prism {
 

@@ -29,7 +29,7 @@ struct OptimizationResult {
 
 // Optimises all states and inverse depths of the window jointly, with the factors of all terms.
 // Without a prior the oldest keyframe is held. If the solution is not usable (solve.usable), the
-// window stays as it was.
+// window stays as it was. Points get the standard deviations of their inverse depths.
 OptimizationResult OptimizeWindow(const WindowOptions& options,
                                   const TermList& terms,
                                   Window* window);

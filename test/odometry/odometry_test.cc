@@ -166,5 +166,35 @@ TEST(Odometry, AFrameWithoutDepthCannotStart) {
   EXPECT_EQ(odometry.Process(TrueFrame(1, TruePose(1))).status, FrameStatus::kTracked);
 }
 
+TEST(OdometryOptions, RefuseWhatMakesNoSense) {
+  const auto is_valid = [](const auto& change) {
+    OdometryOptions options;
+    change(&options);
+    std::string error;
+    const bool valid = options.IsValid(&error);
+    EXPECT_EQ(valid, error.empty());
+    return valid;
+  };
+  using Options = OdometryOptions;
+  EXPECT_TRUE(is_valid([](Options*) {}));
+  EXPECT_FALSE(is_valid([](Options* o) { o->default_terms.photometric.outliers.quantile = -0.1; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->default_terms.photometric.huber = -1; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->default_terms.depth.max_residual = 0; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->window.solve.max_iterations = 0; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->window.solve.function_tolerance = NAN; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->window.max_keyframes = 2; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->photometric_model_sigma = -3; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->retirement.max_log_gain = -1; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->activation.refinement.max_iterations = -1; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->activation.candidates.min_matches = -1; }));
+  EXPECT_FALSE(
+      is_valid([](Options* o) { o->activation.candidates.search.refinement_iterations = -1; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->tracker.fit.good.max_rms = -1; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->tracker.fit.recovered.min_depth_agreement = 1.5; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->tracker.alignment.level.depth_huber = 0; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->keyframe.min_visible_fraction = -0.5; }));
+  EXPECT_FALSE(is_valid([](Options* o) { o->terms = {nullptr}; }));
+}
+
 }  // namespace
 }  // namespace prism

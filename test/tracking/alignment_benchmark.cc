@@ -28,7 +28,8 @@ struct Scene {
       for (int x = kStep_px; x < projection.width - kStep_px; x += kStep_px) {
         Eigen::Vector3d p;
         const Eigen::Vector2d px(x, y);
-        points.push_back({px, 1 / PlaneDepth(projection, SE3(), px, &p)});
+        const double rho = 1 / PlaneDepth(projection, SE3(), px, &p);
+        points.push_back({px, rho, 0.05 * rho});
       }
     }
     reference = MakeTrackingReference(camera, reference_image, points);

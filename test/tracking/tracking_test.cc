@@ -30,7 +30,7 @@ class PlaneScene {
       for (int x = 12; x < camera_.width - 12; x += 8) {
         Eigen::Vector3d p;
         points_.push_back(
-            {Eigen::Vector2d(x, y), 1 / PlaneDepth(camera_, SE3(), Eigen::Vector2d(x, y), &p)});
+            {Eigen::Vector2d(x, y), 1 / PlaneDepth(camera_, SE3(), Eigen::Vector2d(x, y), &p), 0});
       }
     }
   }
@@ -38,9 +38,11 @@ class PlaneScene {
   ImagePyramid Render(const SE3& cam_from_world) const {
     return RenderPlane(camera_, cam_from_world, 0, nullptr)->image;
   }
-  TrackingReference Reference() const {
-    return MakeTrackingReference(model_, reference_image_, points_);
+  TrackingReference Reference() const { return Reference(points_); }
+  TrackingReference Reference(const std::vector<ReferencePoint>& points) const {
+    return MakeTrackingReference(model_, reference_image_, points);
   }
+  const std::vector<ReferencePoint>& points() const { return points_; }
   const ImagePyramid& reference_image() const { return reference_image_; }
 
  private:
@@ -69,6 +71,37 @@ TEST(AlignFrame, ComesBackFromAPerturbationAlongEachAxis) {
           << "axis " << axis << ", sign " << sign;
     }
   }
+}
+
+// The depths of single frames: wrong by 10 % (one standard deviation), each point for itself.
+TEST(AlignFrame, UncertainDepthsDoNotTurnTranslationIntoRotation) {
+  const PlaneScene scene;
+  const SE3 truth = SE3::Exp((Vector6d() << 0.03, 0, 0, 0, 0, 0).finished());
+  const ImagePyramid target = scene.Render(truth);
+  double rotation[2] = {0, 0}, translation[2] = {0, 0};
+  constexpr int kSeeds = 10;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    std::mt19937_64 generator = SeededGenerator(33, seed);
+    std::normal_distribution<double> normal;
+    std::vector<ReferencePoint> points = scene.points();
+    for (ReferencePoint& point : points) {
+      point.rho_sigma = 0.1 * point.rho;
+      point.rho += point.rho_sigma * normal(generator);
+    }
+    const TrackingReference reference = scene.Reference(points);
+    for (const bool free_depths : {false, true}) {
+      AlignmentOptions options;
+      if (!free_depths) options.free_depth_levels = 0;
+      const FrameAlignmentResult result = AlignFrame(reference, target, {}, NoiseModel(), options);
+      ASSERT_EQ(result.status, AlignmentStatus::kGood);
+      const Vector6d error = (result.state.target_from_reference * truth.Inverse()).Log();
+      translation[free_depths] += error.head<3>().norm() / kSeeds;
+      rotation[free_depths] += error.tail<3>().norm() / kSeeds;
+    }
+  }
+  EXPECT_LT(translation[1], 0.7 * translation[0]) << "held: " << translation[0];
+  EXPECT_LT(rotation[1], 0.7 * rotation[0]) << "held: " << rotation[0];
+  EXPECT_LT(translation[1], 0.003) << "of 0.03";
 }
 
 TEST(AlignFrame, EstimatesAChangeOfBrightness) {

@@ -144,7 +144,8 @@ TEST(KeyframesToRetire, KeepsTheTwoNewestAndTheWindowLength) {
   WindowOptions options;
   options.max_keyframes = 4;
   const std::vector<int> ids = KeyframesToRetire(options, {}, window);
-  ASSERT_EQ(ids.size(), 2u);
+  // With the next one, four are optimised.
+  ASSERT_EQ(ids.size(), 3u);
   for (const int id : ids) EXPECT_LT(id, 4);
 }
 

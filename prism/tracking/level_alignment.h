@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "prism/scene/noise_model.h"
+#include "prism/tracking/tracking_reference.h"
+
+namespace prism {
+
+struct AlignmentState {
+  SE3 target_from_reference;
+  double a = 0;  // relative brightness: I_target = e^a I_reference + b
+  double b = 0;
+};
+
+struct LevelAlignmentOptions {
+  int max_iterations = 30;
+  // Of a pixel's residual in NoiseModel::FitSigma(): where Huber's norm becomes linear (1.345 costs
+  // 5 % of efficiency on Gaussian residuals), and beyond which it says nothing about the pose.
+  double huber = 1.345;
+  double outlier = 4.5;
+  // The same of an inverse depth, in its standard deviations: beyond it the prior pulls no harder.
+  double depth_huber = 2;
+  bool robust = true;             // false: no Huber norm (ablation)
+  bool affine_brightness = true;  // false: brightness is held (ablation)
+};
+
+// Cost over all samples of a level at one state. Samples outside the image cost nothing and
+// outliers the same wherever they are, so costs are compared per visible sample.
+struct LevelCost {
+  double energy = 0;         // sum of weighted robust squares, intensities^2
+  double squared_error = 0;  // sum of squared residuals of inliers, intensities^2
+  int visible = 0;
+  int inliers = 0;
+  double PerSample() const { return visible > 0 ? energy / visible : INFINITY; }
+};
+
+// Aligns one level of a frame to a reference by Levenberg-Marquardt on the photometric residual
+// Eq. (20), over pose, brightness and, if `free_depths`, the inverse depth of every point, which is
+// known to its standard deviation: depths from single frames are uncertain by 10 % and more, and
+// held fixed they turn translation into rotation (errors in variables). Depths are eliminated point
+// by point (Schur complement).
+class LevelAlignment {
+ public:
+  // What is passed must outlive it. `widening` times the outlier threshold is used.
+  LevelAlignment(const TrackingReference& reference,
+                 const ImageViewF& target_image,
+                 int level,
+                 const NoiseModel& noise,
+                 const LevelAlignmentOptions& options,
+                 double widening = 1);
+
+  // At the points' own depths, or at `rho` (one a point).
+  LevelCost Evaluate(const AlignmentState& state) const;
+  LevelCost Evaluate(const AlignmentState& state, const std::vector<double>& rho) const;
+
+  // Returns the number of iterations. `rho`: one a point; moves only if `free_depths`.
+  int Align(bool free_depths, AlignmentState* state, std::vector<double>* rho) const;
+
+ private:
+  using Vector8d = Eigen::Matrix<double, 8, 1>;
+  using Matrix8d = Eigen::Matrix<double, 8, 8>;
+  struct NormalEquations;
+
+  LevelCost Evaluate(const AlignmentState& state,
+                     const std::vector<double>& rho,
+                     NormalEquations* equations) const;
+  double RobustSquare(double magnitude) const;
+  bool Solve(const NormalEquations& equations,
+             double lambda,
+             bool free_depths,
+             Vector8d* state_step,
+             std::vector<double>* rho_step) const;
+
+  const TrackingReference& reference_;
+  const std::vector<TrackingReference::Sample>& samples_;
+  const PlenopticProjection& camera_;
+  const ImageViewF image_;
+  const LevelAlignmentOptions& options_;
+  const double sigma_;              // intensities
+  const double huber_threshold_;    // intensities
+  const double outlier_threshold_;  // intensities
+};
+
+}  // namespace prism

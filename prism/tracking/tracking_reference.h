@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "prism/camera/plenoptic_camera.h"
+#include "prism/factors/pixel_residual.h"
+#include "prism/image/pyramid.h"
+
+namespace prism {
+
+// A point a new frame is aligned to: a pixel of the reference keyframe with its inverse depth.
+struct ReferencePoint {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();  // focused px of level 0, in the reference keyframe
+  double rho = 0;                                // 1/m, there
+  double rho_sigma = 0;                          // its standard deviation; 0: known exactly
+};
+
+// The reference keyframe as the tracker sees it; built once a keyframe by MakeTrackingReference.
+struct TrackingReference {
+  struct Sample {
+    ReferencePixel pixel;
+    int point;  // index into `points`; samples of a point follow each other
+  };
+  std::vector<ReferencePoint> points;
+  std::vector<PlenopticProjection> cameras;  // one a level
+  std::vector<std::vector<Sample>> levels;   // level 0 finest
+  bool empty() const { return levels.empty() || levels[0].empty(); }
+};
+
+// Samples the reference image at the points on every level: the pattern of DSO on level 0, the
+// pixel alone on coarser levels. `image` is the reference keyframe's pyramid.
+TrackingReference MakeTrackingReference(const PlenopticCamera& camera,
+                                        const ImagePyramid& image,
+                                        const std::vector<ReferencePoint>& points);
+
+}  // namespace prism
