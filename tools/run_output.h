@@ -18,8 +18,9 @@ void WriteRun(const std::string& folder,
               const Odometry& odometry,
               const PlayOrder& play_order);
 
-// Compares with the ground truth, as it was played, writes metrics.json into the folder and prints
-// the main figures. Throws InputError if the file cannot be written.
+// Compares with the ground truth, as it was played: the final trajectory, and the poses as they
+// were known when each frame came (ate_online_rmse_m). Writes metrics.json into the folder and
+// prints the main figures. Throws InputError if the file cannot be written.
 void WriteMetrics(const std::string& folder,
                   const RunRecord& record,
                   const Odometry& odometry,

@@ -10,8 +10,13 @@ void Map::RememberKeyframes(const Window& window) {
   }
 }
 
-void Map::AddFrame(int64_t time_ns, int keyframe_id, const SE3& cam_from_keyframe) {
+size_t Map::AddFrame(int64_t time_ns, int keyframe_id, const SE3& cam_from_keyframe) {
   frames_.push_back({time_ns, keyframe_id, cam_from_keyframe});
+  return frames_.size() - 1;
+}
+
+void Map::MoveFrame(size_t index, const SE3& cam_from_keyframe) {
+  frames_.at(index).cam_from_keyframe = cam_from_keyframe;
 }
 
 void Map::AddPoints(const std::vector<RetiredPoint>& points) {

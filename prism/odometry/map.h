@@ -22,8 +22,10 @@ class Map {
  public:
   // To be called whenever the window's keyframes have moved.
   void RememberKeyframes(const Window& window);
-  // A frame tracked on a keyframe; a keyframe itself with the identity.
-  void AddFrame(int64_t time_ns, int keyframe_id, const SE3& cam_from_keyframe);
+  // A frame tracked on a keyframe; a keyframe itself with the identity. Returns its index.
+  size_t AddFrame(int64_t time_ns, int keyframe_id, const SE3& cam_from_keyframe);
+  // Its pose relative to its keyframe is known better.
+  void MoveFrame(size_t index, const SE3& cam_from_keyframe);
   void AddPoints(const std::vector<RetiredPoint>& points);
 
   // All tracked frames, each carried by the last pose of the keyframe it was tracked on.

@@ -126,7 +126,9 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
     result.state = window_.newest().state;
   } else {
     if (first_rms_ == 0) first_rms_ = alignment.rms;
-    map_.AddFrame(frame->time_ns, match.reference->id, alignment.state.target_from_reference);
+    const size_t index =
+        map_.AddFrame(frame->time_ns, match.reference->id, alignment.state.target_from_reference);
+    recent_frames_.Add(*frame, alignment.state, index);
   }
   lost_frames_ = 0;
   last_pose_ = result.state.pose();
@@ -163,10 +165,11 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
     return result;
   }
   lost_frames_ = 0;
+  recent_frames_.Clear();
   AnchorFirstKeyframe(&window_);
   map_.RememberKeyframes(window_);
   map_.AddFrame(window_.newest().frame->time_ns, window_.newest().id, SE3());
-  tracker_.Start(NewestAsReference(), window_.newest().frame->time_ns);
+  tracker_.Start(MakeReference(window_.newest()), window_.newest().frame->time_ns);
   first_rms_ = 0;
   result.status = FrameStatus::kTracked;
   result.is_keyframe = true;
@@ -203,8 +206,13 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
   }
   result.status = Judge(result, window_.noise, options_.tracker.fit.match);
   map_.RememberKeyframes(window_);
+  {
+    const StageTimer::Scope scope(&timer_, "realign frames");
+    const Keyframe& before = *window_.keyframes[window_.keyframes.size() - 2];
+    recent_frames_.Realign(MakeReference(before), window_.noise, options_.tracker.alignment, &map_);
+  }
   map_.AddFrame(window_.newest().frame->time_ns, window_.newest().id, SE3());
-  tracker_.SetReference(NewestAsReference(),
+  tracker_.SetReference(MakeReference(window_.newest()),
                         window_.newest().state.pose() * reference_pose.Inverse());
   first_rms_ = 0;
   {
@@ -216,11 +224,11 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
   return result;
 }
 
-// The newest keyframe, which frames are tracked on from now on.
-TrackingReference Odometry::NewestAsReference() {
-  const StageTimer::Scope scope(&timer_, "set reference");
-  const Keyframe& newest = window_.newest();
-  return MakeTrackingReference(camera_, newest.frame->image, MakeReferencePoints(window_, newest));
+// A keyframe of the window as frames are aligned to it.
+TrackingReference Odometry::MakeReference(const Keyframe& keyframe) {
+  const StageTimer::Scope scope(&timer_, "make reference");
+  return MakeTrackingReference(
+      camera_, keyframe.frame->image, MakeReferencePoints(window_, keyframe));
 }
 
 }  // namespace prism

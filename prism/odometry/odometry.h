@@ -9,6 +9,7 @@
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/odometry/map.h"
 #include "prism/odometry/options.h"
+#include "prism/odometry/recent_frames.h"
 #include "prism/points/outliers.h"
 #include "prism/scene/frame.h"
 #include "prism/window/optimize.h"
@@ -75,7 +76,7 @@ class Odometry {
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
   void AddKeyframe(FramePtr frame, const FrameState& state);
   KeyframeResult MakeKeyframe(FramePtr frame, const FrameState& state, const SE3& reference_pose);
-  TrackingReference NewestAsReference();
+  TrackingReference MakeReference(const Keyframe& keyframe);
 
   PlenopticCamera camera_;
   OdometryOptions options_;
@@ -84,6 +85,7 @@ class Odometry {
   Window window_;
   Tracker tracker_;
   Map map_;
+  RecentFrames recent_frames_;
   int next_keyframe_id_ = 0;
   int segment_ = 0;
   int lost_frames_ = 0;   // in a row

@@ -166,6 +166,32 @@ TEST(Odometry, AFrameWithoutDepthCannotStart) {
   EXPECT_EQ(odometry.Process(TrueFrame(1, TruePose(1))).status, FrameStatus::kTracked);
 }
 
+TEST(Odometry, FramesBetweenKeyframesGetPosesThatAgreeWithTheirDepthsAtLast) {
+  // Depths of the first frame are uncertain: frames tracked on it are off until the first keyframe
+  // after it has been optimised.
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  std::vector<FrameResult> results;
+  int keyframes = 0;
+  for (int i = 0; keyframes < 3; ++i) {
+    ASSERT_LT(i, 60);
+    results.push_back(odometry.Process(TrueFrame(i, TruePose(i), 0.006)));
+    keyframes += results.back().is_keyframe;
+  }
+  const auto rms = [](const Trajectory& trajectory) {
+    double sum = 0;
+    for (size_t i = 0; i < trajectory.size(); ++i) {
+      const SE3 truth = TruePose(static_cast<int>(i)).Inverse();
+      sum += (trajectory[i].world_from_cam.translation() - truth.translation()).squaredNorm();
+    }
+    return std::sqrt(sum / static_cast<double>(trajectory.size()));
+  };
+  Trajectory online;
+  for (const FrameResult& result : results) {
+    online.push_back({result.time_ns, result.state.pose().Inverse()});
+  }
+  EXPECT_LT(rms(odometry.FrameTrajectory()), rms(online));
+}
+
 TEST(OdometryOptions, RefuseWhatMakesNoSense) {
   const auto is_valid = [](const auto& change) {
     OdometryOptions options;

@@ -49,6 +49,7 @@ TEST(PrismVo, TracksARenderedSequenceInMetres) {
   EXPECT_EQ(metrics["matched_count"], 20);
   EXPECT_LT(metrics["ate_rmse_m"].get<double>(), 0.004);
   EXPECT_LT(metrics["scale_error_percent"].get<double>(), 2.5);
+  EXPECT_GT(metrics["ate_online_rmse_m"].get<double>(), 0);
   const nlohmann::json run = ReadJson(folder + "/out/run.json");
   EXPECT_EQ(run["tracked_count"], 20);
   EXPECT_EQ(run["frames"].size(), 20u);
