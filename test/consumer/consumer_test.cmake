@@ -1,5 +1,5 @@
-# Installs a build of PRISM-VO, builds the project of this folder against it and runs it on a small
-# rendered sequence.
+# Installs a build of PRISM-VO, builds the project of this folder against it and runs its programs on a
+# small rendered sequence.
 #   cmake -DBINARY_DIR=build/dev -DCONFIG=RelWithDebInfo -DWORK_DIR=DIR -DGENERATOR=Ninja
 #         -DCXX_COMPILER=g++ -DCXX_LAUNCHER=ccache -DCXX_FLAGS=... -P consumer_test.cmake
 cmake_minimum_required(VERSION 3.25)
@@ -8,7 +8,7 @@ set(here ${CMAKE_CURRENT_LIST_DIR})
 get_filename_component(source_dir ${here}/../.. ABSOLUTE)
 set(prefix ${WORK_DIR}/prefix)
 set(sequence ${WORK_DIR}/sequence)
-set(frames 4)
+set(frames 24)
 
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
@@ -38,17 +38,25 @@ run(${CMAKE_COMMAND} -S ${here} -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_BUI
     -DCMAKE_CXX_COMPILER_LAUNCHER=${CXX_LAUNCHER} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 
-run(${prefix}/bin/prism_simulate --trajectory=handheld --seed=15 --truth_every=0 --frames=${frames}
+run(${prefix}/bin/prism_simulate --trajectory=${here}/uneven_floor.txt --truth_every=0
     --scene=${source_dir}/test/end_to_end/desk.yaml
     --camera=${source_dir}/test/end_to_end/camera.yaml --output_dir=${sequence})
-run(${WORK_DIR}/build/consumer ${sequence} ${sequence}/camera.yaml ${WORK_DIR}/trajectory.txt)
-file(STRINGS ${WORK_DIR}/trajectory.txt poses REGEX "^[0-9]")
-list(LENGTH poses count)
-if(NOT count EQUAL frames)
-  message(FATAL_ERROR "trajectory.txt: found ${count} poses, expected ${frames}")
-endif()
+foreach(flag "" --planar)
+  run(${WORK_DIR}/build/consumer ${sequence} ${sequence}/camera.yaml ${WORK_DIR} ${flag})
+  file(STRINGS ${WORK_DIR}/trajectory.txt poses REGEX "^[0-9]")
+  list(LENGTH poses count)
+  if(NOT count EQUAL frames)
+    message(FATAL_ERROR "trajectory.txt: found ${count} poses, expected ${frames}")
+  endif()
+  file(STRINGS ${WORK_DIR}/keyframes.txt keyframes REGEX "^[0-9]")
+  if(NOT keyframes)
+    message(FATAL_ERROR "keyframes.txt: found no pose, expected some")
+  endif()
+  file(REMOVE ${WORK_DIR}/trajectory.txt ${WORK_DIR}/keyframes.txt)
+endforeach()
+run(${WORK_DIR}/build/planar_motion_check ${sequence} ${sequence}/camera.yaml)
 
-execute_process(COMMAND ${WORK_DIR}/build/consumer ${WORK_DIR}/nowhere camera.yaml trajectory.txt
+execute_process(COMMAND ${WORK_DIR}/build/consumer ${WORK_DIR}/nowhere camera.yaml ${WORK_DIR}
                 RESULT_VARIABLE status ERROR_VARIABLE message)
 if(NOT status EQUAL 2 OR NOT message MATCHES "nowhere: found no such folder")
   message(FATAL_ERROR "a missing sequence: found status ${status}, '${message}', expected status 2")

@@ -18,5 +18,5 @@ if(PRISM_INSTALL AND TARGET prism_simulate)
             -DWORK_DIR=${CMAKE_CURRENT_BINARY_DIR}/consumer_installed -DGENERATOR=${CMAKE_GENERATOR}
             -DCXX_COMPILER=${CMAKE_CXX_COMPILER} -DCXX_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
             -DCXX_FLAGS=${flags} -P ${consumer_dir}/consumer_test.cmake)
-  set_tests_properties(consumer.Installed PROPERTIES TIMEOUT 300)
+  set_tests_properties(consumer.Installed PROPERTIES TIMEOUT 600)
 endif()
