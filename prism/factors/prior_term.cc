@@ -57,9 +57,9 @@ void StatePriorTerm::AddFactors(const Window& window, WindowGraph* graph) const 
 void AnchorFirstKeyframe(Window* window) {
   CHECK_EQ(window->keyframes.size(), 1u);
   Keyframe& keyframe = window->newest();
-  // 0.1 mm, 0.1 mrad, 0.1 % of gain and 0.1 intensities: far below what images tell.
+  // 0.01 mm, 0.01 mrad, 0.1 % of gain and 0.1 intensities: far below what images tell.
   Eigen::VectorXd sigma(FrameState::kTangentSize);
-  sigma << 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-3, 0.1;
+  sigma << 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-3, 0.1;
   window->prior =
       MakeNormalPrior(FrameStateKind(),
                       keyframe.id,

@@ -50,6 +50,10 @@ ScaledEigen DecomposeScaled(const Eigen::MatrixXd& H, double relative_tolerance)
       scaled(row, column) *= result.scale(row) * result.scale(column);
     }
   }
+  if (H.rows() == 0) {
+    result.vectors = Eigen::MatrixXd(0, 0);
+    return result;
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
   const Eigen::VectorXd& values = solver.eigenvalues();
   const double largest = values.size() > 0 ? values(values.size() - 1) : 0;

@@ -141,6 +141,22 @@ TEST(MarginalizeBlocks, DropsWhatTiesAStayingPointAndTakesInLinearFactors) {
   EXPECT_EQ(marginalized.prior.A.cols(), 3 + 3 + 2);
 }
 
+TEST(MarginalizeBlocks, WithNothingTiedNothingIsLeft) {
+  std::mt19937_64 generator = SeededGenerator(8, 0);
+  FactorGraph graph;
+  AddBlocks(&graph);
+  AddLinearFactor(4, {1, 2}, &generator, &graph);
+  // No factor at all ties keyframe 0; one speaks of the offset alone, which then leaves.
+  EXPECT_TRUE(MarginalizeBlocks(graph, {0}).prior.empty());
+  AddLinearFactor(4, {3}, &generator, &graph);
+  const BlockMarginalization alone = MarginalizeBlocks(graph, {3});
+  EXPECT_EQ(alone.factors, 1);
+  EXPECT_TRUE(alone.prior.empty());
+  // A point whose only factor is its own.
+  AddLinearFactor(1, {4}, &generator, &graph);
+  EXPECT_TRUE(MarginalizeBlocks(graph, {4}).prior.empty());
+}
+
 TEST(MarginalizeBlocks, WeighsFactorsAsTheirLossDoes) {
   std::mt19937_64 generator = SeededGenerator(4, 0);
   const ceres::HuberLoss loss(0.01);
