@@ -17,7 +17,7 @@ TermList MakeDefaultTerms(const DefaultTermOptions& options) {
   TermList terms = {std::make_shared<PhotometricTerm>(photometric)};
   if (options.depth_residual) terms.push_back(std::make_shared<InverseVirtualDepthTerm>(depth));
   terms.push_back(std::make_shared<StatePriorTerm>());
-  if (options.marginalization_prior) terms.push_back(std::make_shared<MarginalizationPriorTerm>());
+  terms.push_back(std::make_shared<MarginalizationPriorTerm>());
   return terms;
 }
 

@@ -15,7 +15,6 @@ struct DefaultTermOptions {
   PhotometricTermOptions photometric;
   InverseVirtualDepthTermOptions depth;
   bool depth_residual = true;
-  bool marginalization_prior = true;
   bool robust_loss = true;  // false: squares in all of them
 
   bool IsValid(std::string* error) const;

@@ -51,7 +51,9 @@ void InverseVirtualDepthTerm::AddPointFactors(const Window& window,
   graph->AddFactor(std::move(factor), {rho_block});
 }
 
-void InverseVirtualDepthTerm::Reject(const FactorGraph::Factor& /*factor*/, Point* point) const {
+void InverseVirtualDepthTerm::Reject(const FactorGraph::Factor& /*factor*/,
+                                     Point* point,
+                                     Window* /*window*/) const {
   point->w_sigma = 0;
 }
 

@@ -53,7 +53,7 @@ class InverseVirtualDepthTerm : public Term {
                        WindowGraph* graph) const override;
   OutlierRule outlier_rule() const override { return {options_.max_residual}; }
   // The measurement is forgotten.
-  void Reject(const FactorGraph::Factor& factor, Point* point) const override;
+  void Reject(const FactorGraph::Factor& factor, Point* point, Window* window) const override;
 
  private:
   InverseVirtualDepthTermOptions options_;

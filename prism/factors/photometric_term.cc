@@ -51,7 +51,9 @@ void PhotometricTerm::AddPointFactors(const Window& window,
   }
 }
 
-void PhotometricTerm::Reject(const FactorGraph::Factor& factor, Point* point) const {
+void PhotometricTerm::Reject(const FactorGraph::Factor& factor,
+                             Point* point,
+                             Window* /*window*/) const {
   point->outlier_targets.push_back(factor.group);
 }
 

@@ -24,7 +24,8 @@ class PhotometricTerm : public Term {
  public:
   explicit PhotometricTerm(const PhotometricTermOptions& options);
 
-  std::string name() const override { return "photometric"; }
+  static constexpr char kName[] = "photometric";
+  std::string name() const override { return kName; }
   void AddPointFactors(const Window& window,
                        size_t host_index,
                        const Point& point,
@@ -32,7 +33,7 @@ class PhotometricTerm : public Term {
                        WindowGraph* graph) const override;
   OutlierRule outlier_rule() const override { return options_.outliers; }
   // The point is not looked for in that keyframe again.
-  void Reject(const FactorGraph::Factor& factor, Point* point) const override;
+  void Reject(const FactorGraph::Factor& factor, Point* point, Window* window) const override;
 
  private:
   PhotometricTermOptions options_;

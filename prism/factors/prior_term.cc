@@ -51,7 +51,7 @@ void StatePriorTerm::AddFactors(const Window& window, WindowGraph* graph) const 
   for (const auto& keyframe : window.keyframes) {
     for (const StateBlock& state : keyframe->states) AddStatePrior(state, keyframe->id, graph);
   }
-  for (const StateBlock& state : window.states) AddStatePrior(state, 0, graph);
+  for (const StateBlock& state : window.states) AddStatePrior(state, kRunOwner, graph);
 }
 
 void AnchorFirstKeyframe(Window* window) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,12 +27,14 @@ struct OutlierRule {
 // (docs/add_a_residual.md). Whatever works on factors (solver, marginalisation, outliers, variance
 // factors, refinement of a depth, Jacobian check) sees all terms alike.
 //
-// A term has no state of its own that changes: what is estimated lies in the window.
+// A term has no state of its own that changes: what is estimated lies in the window. Its costs do
+// not fail (ceres::CostFunction::Evaluate returns true): where they are not defined, residuals and
+// Jacobians are zero.
 class Term {
  public:
   virtual ~Term() = default;
 
-  // Key of its figures in run.json, "inverse virtual depth".
+  // Key of its figures in run.json, "inverse virtual depth"; one of its own.
   virtual std::string name() const = 0;
 
   // Called when a keyframe has come into the window (as its newest): the place to add states, to
@@ -51,8 +54,10 @@ class Term {
 
   virtual OutlierRule outlier_rule() const { return {}; }
   // Notes in the window that a factor of this term is an outlier, so that it is not added again.
-  // `point` is the one the factor ties, or null.
-  virtual void Reject(const FactorGraph::Factor& /*factor*/, Point* /*point*/) const {}
+  // `point` is the one the factor ties (the last, if there are more), or null.
+  virtual void Reject(const FactorGraph::Factor& /*factor*/,
+                      Point* /*point*/,
+                      Window* /*window*/) const {}
 };
 
 // In the order in which they add their factors.

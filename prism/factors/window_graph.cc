@@ -16,7 +16,7 @@ void ForEachState(WindowType& window, const Visit& visit) {
   for (auto& keyframe : window.keyframes) {
     for (auto& state : keyframe->states) visit(state, keyframe->id);
   }
-  for (auto& state : window.states) visit(state, 0);
+  for (auto& state : window.states) visit(state, kRunOwner);
 }
 
 }  // namespace
@@ -71,6 +71,12 @@ int WindowGraph::FindBlock(const std::string& kind, int owner) const {
     if (blocks()[i].owner == owner && blocks()[i].kind->name == kind) return i;
   }
   return -1;
+}
+
+bool WindowGraph::TiesKeyframe(const Factor& factor) const {
+  return std::any_of(BlocksOf(factor), BlocksOf(factor) + factor.num_blocks, [&](int block) {
+    return blocks()[block].kind->lifetime == BlockLifetime::kKeyframe;
+  });
 }
 
 void WindowGraph::CopyTo(Window* window) const {

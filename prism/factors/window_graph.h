@@ -33,14 +33,19 @@ class WindowGraph : public FactorGraph {
     return pairs_->pair(host_index, target_index);
   }
   // The block of a kind (by name) that belongs to `owner`; -1: there is none.
-  int FindBlock(const std::string& kind, int owner = 0) const;
+  int FindBlock(const std::string& kind, int owner = kRunOwner) const;
+
+  // Whether a factor ties what belongs to a keyframe: an observation, not a measurement of a point
+  // by itself.
+  bool TiesKeyframe(const Factor& factor) const;
 
   // Inverse depths are the blocks from here on, in the order of keyframes and their points.
   int FirstPointBlock() const { return first_point_block_; }
   // Writes all values back into the window.
   void CopyTo(Window* window) const;
 
-  // Frames and states of blocks that have entered the prior keep their first estimates.
+  // Frames and states of blocks that have entered the prior keep their first estimates: the values
+  // of the window, which must be those of the graph.
   void KeepFirstEstimates(const std::vector<int>& blocks, Window* window) const;
 
  private:

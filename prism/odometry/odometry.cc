@@ -35,7 +35,9 @@ KeyframeStatus Judge(const KeyframeResult& result,
   for (size_t i = 0; i < result.optimization.terms.size(); ++i) {
     const TermSummary& term = result.optimization.terms[i];
     if (term.factors == 0) continue;
-    fit.rms = std::max(fit.rms, std::sqrt(term.variance_factor) / noise.Misfit());
+    // Residuals of images are known to be larger than stated by the misfit.
+    const double expected = term.name == PhotometricTerm::kName ? noise.Misfit() : 1;
+    fit.rms = std::max(fit.rms, std::sqrt(term.variance_factor) / expected);
     fit.outlier_fraction =
         std::max(fit.outlier_fraction,
                  static_cast<double>(result.outliers.factors_rejected[i]) / term.factors);

@@ -38,13 +38,14 @@ struct FrameResult {
   FrameStatus status = FrameStatus::kLost;
   int segment = 0;
   bool is_keyframe = false;
-  int keyframe_id = -1;     // its own, or the one it was tracked on
-  FrameState state;         // cam_from_world at this moment, absolute brightness
-  FitQuality fit;           // of the alignment
-  double rms = 0;           // of the alignment, intensities
-  int points_used = 0;      // inlier samples of the alignment
-  int active_points = 0;    // in the window
-  KeyframeResult keyframe;  // of a keyframe, but for the first of a segment
+  int keyframe_id = -1;   // its own, or the one it was tracked on
+  FrameState state;       // cam_from_world at this moment, absolute brightness
+  FitQuality fit;         // of the alignment
+  double rms = 0;         // of the alignment, intensities
+  int points_used = 0;    // inlier samples of the alignment
+  int active_points = 0;  // in the window
+  // Of keyframes whose window was optimised: all but the first of a segment.
+  KeyframeResult keyframe;
 };
 
 // Metric visual odometry from plenoptic frames. The first frame is a keyframe whose points take

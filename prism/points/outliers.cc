@@ -64,17 +64,18 @@ OutlierResult RemoveOutliers(const TermList& terms,
   const std::vector<bool> is_outlier = FindOutliers(*graph, terms);
   for (size_t i = 0; i < is_outlier.size(); ++i) {
     const FactorGraph::Factor& factor = graph->factors()[i];
-    int number = -1;  // of the point
+    const bool is_tie = graph->TiesKeyframe(factor);
+    Point* tied = nullptr;
     for (int k = 0; k < factor.num_blocks; ++k) {
-      number = std::max(number, graph->BlocksOf(factor)[k] - graph->FirstPointBlock());
-    }
-    if (number >= 0 && factor.num_blocks > 1) {
-      ++ties[number];
-      kept_ties[number] += !is_outlier[i];
+      const int number = graph->BlocksOf(factor)[k] - graph->FirstPointBlock();
+      if (number < 0) continue;
+      tied = points[number];
+      ties[number] += is_tie;
+      kept_ties[number] += is_tie && !is_outlier[i];
     }
     if (!is_outlier[i]) continue;
     ++result.factors_rejected[factor.term];
-    terms[factor.term]->Reject(factor, number >= 0 ? points[number] : nullptr);
+    terms[factor.term]->Reject(factor, tied, window);
   }
   size_t number = 0;
   for (const auto& keyframe : window->keyframes) {

@@ -43,20 +43,21 @@ DepthRefiner::NormalEquation DepthRefiner::Evaluate(double rho) {
     jacobians.clear();
     r.resize(factor.cost->num_residuals());
     J.resize(factor.cost->num_residuals());
+    J.setZero();
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int block = graph_.BlocksOf(factor)[k];
       parameters.push_back(graph_.values(block));
       jacobians.push_back(block == rho_block ? J.data() : nullptr);
     }
-    factor.cost->Evaluate(parameters.data(), r.data(), jacobians.data());
-    if (J.squaredNorm() == 0) continue;  // not defined there
+    const bool is_defined = factor.cost->Evaluate(parameters.data(), r.data(), jacobians.data());
+    if (!is_defined || J.squaredNorm() == 0) continue;
     const double s = r.squaredNorm();
     double loss[3] = {s, 1, 0};
     if (factor.loss != nullptr) factor.loss->Evaluate(s, loss);
     equation.H += loss[1] * J.squaredNorm();
     equation.g += loss[1] * J.dot(r);
     equation.energy += loss[0];
-    if (factor.num_blocks < 2) continue;
+    if (!graph_.TiesKeyframe(factor)) continue;
     equation.squared_ties += loss[1] * s;
     equation.tie_residuals += static_cast<int>(r.size());
     ++equation.observations;

@@ -18,6 +18,9 @@ enum class BlockLifetime {
   kRun,       // to the end of the run (or of the segment)
 };
 
+// Owner of blocks that belong to the run; others belong to the keyframe or point of that number.
+inline constexpr int kRunOwner = -1;
+
 // What blocks of one kind have in common.
 struct BlockKind {
   std::string name;  // "frame state": one name, one kind

@@ -24,7 +24,7 @@ class FactorGraph {
  public:
   struct Block {
     BlockKindPtr kind;
-    int owner = 0;                           // id of the keyframe or point; 0 for the run
+    int owner = kRunOwner;                   // id of the keyframe or number of the point
     const double* first_estimate = nullptr;  // null: Jacobians are evaluated at the values
     bool is_constant = false;
     int offset = 0;  // of the values in the graph's storage
@@ -38,8 +38,9 @@ class FactorGraph {
     int group = 0;
     // The cost evaluates its Jacobians at the first estimates itself.
     bool keeps_first_estimates = false;
-    // The Jacobian over the tangent space is the same everywhere: nothing is lost when it is taken
-    // into the prior.
+    // Of the marginalisation prior: its Jacobian is the same everywhere, so that nothing is lost
+    // when it is taken into the next prior, which happens at every marginalisation, whatever
+    // leaves. Whoever adds such a factor must not add it again afterwards.
     bool is_linear = false;
   };
 

@@ -17,7 +17,7 @@ namespace prism {
 struct LinearPrior {
   struct Block {
     BlockKindPtr kind;
-    int owner = 0;                  // as in FactorGraph::Block
+    int owner = kRunOwner;          // as in FactorGraph::Block
     Eigen::VectorXd linearization;  // x_lin, kind->size numbers
   };
   Eigen::MatrixXd A;  // rows x sum of tangent sizes

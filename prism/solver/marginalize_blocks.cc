@@ -112,7 +112,7 @@ class PriorBuilder {
         const int i = graph_.BlocksOf(*factor)[k];
         const auto point = point_column.find(i);
         const Eigen::Index column = point != point_column.end() ? point->second : column_[i];
-        J.block(row, column, height, linearized.jacobians[k].cols()) =
+        J.block(row, column, height, linearized.jacobians[k].cols()) +=
             root * linearized.jacobians[k];
       }
       row += height;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/solver/solve.h"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -117,7 +118,7 @@ SolveResult Solve(const SolveOptions& options, FactorGraph* graph) {
   SolveResult result;
   result.usable = summary.IsSolutionUsable();
   result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  result.iterations = std::max(static_cast<int>(summary.iterations.size()) - 1, 0);
   result.initial_cost = summary.initial_cost;
   result.final_cost = summary.final_cost;
   result.message = summary.message;

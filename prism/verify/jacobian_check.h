@@ -14,7 +14,7 @@ namespace prism {
 // Largest disagreement of one Jacobian block over all samples. Errors are mixed relative and
 // absolute, |a - b| / (1 + max(|a|, |b|)), element by element, in the tangent space.
 struct JacobianBlockCheck {
-  std::string residual;  // "photometric", "photometric, first estimates", "tracker", or of a term
+  std::string residual;  // "photometric", "photometric, first estimates", "tracker", "term: NAME"
   std::string block;     // "host pose", "frame state 1", ...
   std::optional<double> autodiff_error;  // none where there is no twin
   double numeric_error = 0;
@@ -49,7 +49,8 @@ bool Agrees(const JacobianBlockCheck& block, const JacobianCheckOptions& options
 // over random poses, brightness, depths and images:
 // - the photometric and the depth residual, the photometric one with first estimates, the
 //   marginalisation prior, and the tracker's own form of the photometric residual;
-// - every factor that the terms have for a random window, numerically: also terms of your own.
+// - every factor that the terms have for a random window, numerically: also terms of your own. A
+//   term without a factor there (it asks for something random windows lack) is not checked.
 JacobianCheckResult CheckJacobians(const PlenopticCamera& camera,
                                    const TermList& terms,
                                    const JacobianCheckOptions& options);

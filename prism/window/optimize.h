@@ -14,8 +14,9 @@ namespace prism {
 struct TermSummary {
   std::string name;
   int factors = 0;
-  // A posteriori variance factor: mean robustly weighted squared residual over its standard
-  // deviation. 1 if the stated standard deviation is right; 0 without factors.
+  // A posteriori variance factor: mean robustly weighted squared residual over its variance. 1 if
+  // the stated standard deviation is right (less for a term that nothing contradicts); 0 without
+  // factors.
   double variance_factor = 0;
 };
 

@@ -46,11 +46,11 @@ bool IsSeenByNewestTwo(const Window& window, const Keyframe& host, const Point& 
   return false;
 }
 
-// True if a factor ties the point to something else.
+// True if a factor ties the point to a keyframe.
 std::vector<bool> TiedPoints(const WindowGraph& graph) {
   std::vector<bool> is_tied(graph.blocks().size() - graph.FirstPointBlock(), false);
   for (const FactorGraph::Factor& factor : graph.factors()) {
-    if (factor.num_blocks < 2) continue;
+    if (!graph.TiesKeyframe(factor)) continue;
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int point = graph.BlocksOf(factor)[k] - graph.FirstPointBlock();
       if (point >= 0) is_tied[point] = true;
