@@ -95,12 +95,15 @@ class ScaledProjection {
 
   // False at or inside the focal length.
   bool Project(const Eigen::Vector3d& X, double rho, Pixel* pixel) const {
-    pixel->D = X.z() - rho * f_;
-    if (!(pixel->D > 0)) return false;
-    pixel->alpha = f_px_ / pixel->D;
-    pixel->x = pixel->alpha * X.x() + cx_;
-    pixel->y = pixel->alpha * X.y() + cy_;
-    return true;
+    *pixel = At(X, rho);
+    return pixel->D > 0;
+  }
+
+  // The same of a point known to lie beyond the focal length.
+  Pixel At(const Eigen::Vector3d& X, double rho) const {
+    const double D = X.z() - rho * f_;
+    const double alpha = f_px_ / D;
+    return {alpha * X.x() + cx_, alpha * X.y() + cy_, D, alpha};
   }
 
   // Derivative over X of a function of the pixel with gradient (gx, gy) there: (gx, gy) times the
@@ -118,9 +121,12 @@ class ScaledProjection {
   // (Eq. (52): translation moves X by rho delta_t, rotation by delta_w x X).
   static Vector6d OverPose(const Eigen::Vector3d& over_X, const Eigen::Vector3d& X, double rho) {
     Vector6d J;
-    J << rho * over_X.x(), rho * over_X.y(), rho * over_X.z(),  //
-        X.y() * over_X.z() - X.z() * over_X.y(), X.z() * over_X.x() - X.x() * over_X.z(),
-        X.x() * over_X.y() - X.y() * over_X.x();
+    J[0] = rho * over_X.x();
+    J[1] = rho * over_X.y();
+    J[2] = rho * over_X.z();
+    J[3] = X.y() * over_X.z() - X.z() * over_X.y();
+    J[4] = X.z() * over_X.x() - X.x() * over_X.z();
+    J[5] = X.x() * over_X.y() - X.y() * over_X.x();
     return J;
   }
 

@@ -58,9 +58,9 @@ struct PatternRays {
 // A pattern in the target frame.
 struct PatternImage {
   std::array<Eigen::Vector3d, kPatternSize> X;
-  std::array<ScaledProjection::Pixel, kPatternSize> pixel;
   Vector8d weight;                  // of each residual over its standard deviation
   Vector8d gradient_x, gradient_y;  // Eq. (29), weighted
+  Vector8d brightness;              // weight e^(a_j - a_i) (I_i - b_i)
   Vector8d residuals;
 };
 
@@ -74,14 +74,14 @@ bool EvaluateResiduals(const PhotometricPatch& patch,
   const FramePair::Point& at = pair.current;
   for (int k = 0; k < kPatternSize; ++k) {
     image->X[k] = rays.At(k);
-    ScaledProjection::Pixel& pixel = image->pixel[k];
+    ScaledProjection::Pixel pixel;
     if (!projection.Project(image->X[k], rho, &pixel)) return false;
     if (!target_image.Contains(pixel.x, pixel.y)) return false;
     const InterpolatedValue sample = InterpolateBilinear(target_image, pixel.x, pixel.y);
     const double weight = patch.weight[k] * pair.inverse_sigma;
     image->weight[k] = weight;
-    image->residuals[k] =
-        weight * ((sample.value - pair.target_b) - at.gain * (patch.intensity[k] - at.host_b));
+    image->brightness[k] = weight * at.gain * (patch.intensity[k] - at.host_b);
+    image->residuals[k] = weight * (sample.value - pair.target_b) - image->brightness[k];
     image->gradient_x[k] = weight * sample.dx;
     image->gradient_y[k] = weight * sample.dy;
   }
@@ -140,24 +140,24 @@ bool PhotometricCost::Evaluate(double const* const* parameters,
   std::copy_n(image.residuals.data(), kPatternSize, residuals);
   if (jacobians == nullptr) return true;
   if (pair_->first_estimate) {
-    for (int k = 0; k < kPatternSize; ++k) {
-      image.X[k] = rays.At(k);
-      projection.Project(image.X[k], rho, &image.pixel[k]);
-    }
+    for (int k = 0; k < kPatternSize; ++k) image.X[k] = rays.At(k);
   }
 
   Matrix86d J_target;
   Vector8d J_rho;
   for (int k = 0; k < kPatternSize; ++k) {
     const Eigen::Vector3d over_X = ScaledProjection::PullBack(
-        image.pixel[k], image.X[k], image.gradient_x[k], image.gradient_y[k]);
-    J_target.row(k) = ScaledProjection::OverPose(over_X, image.X[k], rho);
+        projection.At(image.X[k], rho), image.X[k], image.gradient_x[k], image.gradient_y[k]);
+    J_target.row(k) = ScaledProjection::OverPose(over_X, image.X[k], rho).transpose();
     J_rho[k] = projection.OverInverseDepth(over_X, rays.DerivativeAt(k));
   }
   const FramePair::Point& at = pair_->linearization;
-  Vector8d brightness;  // weight e^(a_j - a_i) (I_i - b_i)
-  for (int k = 0; k < kPatternSize; ++k) {
-    brightness[k] = image.weight[k] * at.gain * (patch_->intensity[k] - at.host_b);
+  // weight e^(a_j - a_i) (I_i - b_i)
+  Vector8d brightness = image.brightness;
+  if (pair_->first_estimate) {
+    for (int k = 0; k < kPatternSize; ++k) {
+      brightness[k] = image.weight[k] * at.gain * (patch_->intensity[k] - at.host_b);
+    }
   }
   if (jacobians[0] != nullptr) {
     LiftFrameJacobian(-J_target * pair_->adjoint,
@@ -187,7 +187,7 @@ bool EvaluatePattern(const PhotometricPatch& patch,
   match->residuals = image.residuals;
   for (int k = 0; k < kPatternSize; ++k) {
     const Eigen::Vector3d over_X = ScaledProjection::PullBack(
-        image.pixel[k], image.X[k], image.gradient_x[k], image.gradient_y[k]);
+        projection.At(image.X[k], rho), image.X[k], image.gradient_x[k], image.gradient_y[k]);
     match->J_rho[k] = projection.OverInverseDepth(over_X, rays.DerivativeAt(k));
   }
   return true;
