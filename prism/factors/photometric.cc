@@ -143,14 +143,19 @@ bool PhotometricCost::Evaluate(double const* const* parameters,
     for (int k = 0; k < kPatternSize; ++k) image.X[k] = rays.At(k);
   }
 
+  const bool with_frames = jacobians[0] != nullptr || jacobians[1] != nullptr;
   Matrix86d J_target;
   Vector8d J_rho;
   for (int k = 0; k < kPatternSize; ++k) {
     const Eigen::Vector3d over_X = ScaledProjection::PullBack(
         projection.At(image.X[k], rho), image.X[k], image.gradient_x[k], image.gradient_y[k]);
-    J_target.row(k) = ScaledProjection::OverPose(over_X, image.X[k], rho).transpose();
+    if (with_frames) {
+      J_target.row(k) = ScaledProjection::OverPose(over_X, image.X[k], rho).transpose();
+    }
     J_rho[k] = projection.OverInverseDepth(over_X, rays.DerivativeAt(k));
   }
+  if (jacobians[2] != nullptr) std::copy_n(J_rho.data(), kPatternSize, jacobians[2]);
+  if (!with_frames) return true;
   const FramePair::Point& at = pair_->linearization;
   // weight e^(a_j - a_i) (I_i - b_i)
   Vector8d brightness = image.brightness;
@@ -169,7 +174,6 @@ bool PhotometricCost::Evaluate(double const* const* parameters,
   if (jacobians[1] != nullptr) {
     LiftFrameJacobian(J_target, pair_->lift_target, -brightness, -image.weight, jacobians[1]);
   }
-  if (jacobians[2] != nullptr) std::copy_n(J_rho.data(), kPatternSize, jacobians[2]);
   return true;
 }
 

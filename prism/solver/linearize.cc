@@ -113,49 +113,48 @@ bool NeedsFirstEstimateCost(const FactorGraph& graph, const FactorGraph::Factor&
   return false;
 }
 
-std::vector<TermFit> EvaluateTermFits(const FactorGraph& graph, int num_terms) {
-  std::vector<TermFit> fits(num_terms);
-  for (const FactorGraph::Factor& factor : graph.factors()) {
-    const FactorValue value = EvaluateFactor(graph, factor);
-    if (value.residuals.size() == 0) continue;
-    TermFit& fit = fits[factor.term];
-    ++fit.factors;
-    fit.variance_factor +=
-        value.weight * value.residuals.squaredNorm() / static_cast<double>(value.residuals.size());
-  }
-  for (TermFit& fit : fits) {
-    if (fit.factors > 0) fit.variance_factor /= fit.factors;
-  }
-  return fits;
-}
-
-std::vector<double> ScalarInformation(const FactorGraph& graph,
-                                      const std::vector<TermFit>& term_fits) {
-  std::vector<double> information(graph.blocks().size(), 0);
+GraphFit EvaluateFit(const FactorGraph& graph, int num_terms) {
+  GraphFit fit;
+  fit.terms.resize(num_terms);
+  const size_t num_blocks = graph.blocks().size();
+  std::vector<std::vector<double>> information(num_terms, std::vector<double>(num_blocks, 0));
   std::vector<const double*> parameters;
   std::vector<double*> jacobians;
-  Eigen::VectorXd r, J;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd J;  // a column for each block of size 1
   for (const FactorGraph::Factor& factor : graph.factors()) {
+    const Eigen::Index rows = factor.cost->num_residuals();
+    if (rows == 0) continue;
+    r.resize(rows);
+    J.resize(rows, factor.num_blocks);
+    parameters.clear();
+    jacobians.clear();
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int block = graph.BlocksOf(factor)[k];
-      if (graph.blocks()[block].kind->size != 1) continue;
-      r.resize(factor.cost->num_residuals());
-      J.resize(factor.cost->num_residuals());
-      parameters.clear();
-      for (int i = 0; i < factor.num_blocks; ++i) {
-        parameters.push_back(graph.values(graph.BlocksOf(factor)[i]));
-      }
-      jacobians.assign(factor.num_blocks, nullptr);
-      jacobians[k] = J.data();
-      CHECK(factor.cost->Evaluate(parameters.data(), r.data(), jacobians.data()));
-      const double s = r.squaredNorm();
-      double rho[3] = {s, 1, 0};
-      if (factor.loss != nullptr) factor.loss->Evaluate(s, rho);
-      information[block] +=
-          rho[1] * J.squaredNorm() / std::max(term_fits[factor.term].variance_factor, 1.0);
+      parameters.push_back(graph.values(block));
+      jacobians.push_back(graph.blocks()[block].kind->size == 1 ? J.col(k).data() : nullptr);
+    }
+    CHECK(factor.cost->Evaluate(parameters.data(), r.data(), jacobians.data()));
+    const double s = r.squaredNorm();
+    double rho[3] = {s, 1, 0};
+    if (factor.loss != nullptr) factor.loss->Evaluate(s, rho);
+    TermFit& term = fit.terms[factor.term];
+    ++term.factors;
+    term.variance_factor += rho[1] * s / static_cast<double>(rows);
+    for (int k = 0; k < factor.num_blocks; ++k) {
+      if (jacobians[k] == nullptr) continue;
+      information[factor.term][graph.BlocksOf(factor)[k]] += rho[1] * J.col(k).squaredNorm();
     }
   }
-  return information;
+  fit.information.assign(num_blocks, 0);
+  for (int term = 0; term < num_terms; ++term) {
+    TermFit& term_fit = fit.terms[term];
+    if (term_fit.factors == 0) continue;
+    term_fit.variance_factor /= term_fit.factors;
+    const double factor = std::max(term_fit.variance_factor, 1.0);
+    for (size_t i = 0; i < num_blocks; ++i) fit.information[i] += information[term][i] / factor;
+  }
+  return fit;
 }
 
 }  // namespace prism

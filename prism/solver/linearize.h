@@ -49,20 +49,22 @@ class FirstEstimateCost : public ceres::CostFunction {
 // cost does not do so itself.
 bool NeedsFirstEstimateCost(const FactorGraph& graph, const FactorGraph::Factor& factor);
 
-// Mean over the factors of a term of weight * |residuals|^2 / number of residuals: 1 if the stated
-// standard deviations are right; 0 without factors.
+// How the factors of one term fit: the mean of weight * |residuals|^2 / number of residuals, 1 if
+// the stated standard deviations are right; 0 without factors.
 struct TermFit {
   int factors = 0;
   double variance_factor = 0;
 };
 
-// One a term, `num_terms` of them.
-std::vector<TermFit> EvaluateTermFits(const FactorGraph& graph, int num_terms);
+struct GraphFit {
+  std::vector<TermFit> terms;
+  // Information (inverse variance) of blocks of size 1 with all others held: the weighted sum of
+  // the squared derivatives of their factors, each divided by its term's variance factor where that
+  // is above 1 (residuals larger than stated tell less). One number a block; 0 for other blocks.
+  std::vector<double> information;
+};
 
-// Information (inverse variance) of blocks of size 1 with all others held: the weighted sum of the
-// squared derivatives of their factors, each divided by its term's variance factor where that is
-// above 1 (residuals larger than stated tell less). One number a block; 0 for other blocks.
-std::vector<double> ScalarInformation(const FactorGraph& graph,
-                                      const std::vector<TermFit>& term_fits);
+// Precondition: the graph is prepared. Terms are numbered up to `num_terms`.
+GraphFit EvaluateFit(const FactorGraph& graph, int num_terms);
 
 }  // namespace prism

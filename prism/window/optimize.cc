@@ -22,20 +22,19 @@ OptimizationResult OptimizeWindow(const WindowOptions& options,
   if (window->prior.empty()) graph->SetConstant(graph->FrameBlock(0));
   OptimizationResult result;
   result.solve = Solve(options.solve, graph.get());
-  const std::vector<TermFit> fits = EvaluateTermFits(*graph, static_cast<int>(terms.size()));
+  const GraphFit fit = EvaluateFit(*graph, static_cast<int>(terms.size()));
   if (result.solve.usable) {
     graph->CopyTo(window);
-    const std::vector<double> information = ScalarInformation(*graph, fits);
     int block = graph->FirstPointBlock();
     for (const auto& keyframe : window->keyframes) {
       for (const auto& point : keyframe->points) {
-        const double known = information[block++];
+        const double known = fit.information[block++];
         point->rho_sigma = known > 0 ? 1 / std::sqrt(known) : 0;
       }
     }
   }
   for (size_t i = 0; i < terms.size(); ++i) {
-    result.terms.push_back({terms[i]->name(), fits[i].factors, fits[i].variance_factor});
+    result.terms.push_back({terms[i]->name(), fit.terms[i].factors, fit.terms[i].variance_factor});
   }
   return result;
 }

@@ -225,17 +225,41 @@ TEST(MarginalizeBlocks, LinearisesAtFirstEstimatesAndStatesResidualsThere) {
   EXPECT_LT((prior.A.transpose() * (prior.A * optimum + prior.b)).norm(), 1e-9);
 }
 
-TEST(EvaluateTermFits, AreOneForResidualsOfOneStandardDeviation) {
+TEST(EvaluateFit, IsOneForResidualsOfOneStandardDeviation) {
   std::mt19937_64 generator = SeededGenerator(5, 0);
   FactorGraph graph;
   AddBlocks(&graph);
   graph.BeginTerm(1);
   for (int i = 0; i < 200; ++i) AddLinearFactor(4, {0}, &generator, &graph);
-  const std::vector<TermFit> fits = EvaluateTermFits(graph, 2);
+  const std::vector<TermFit> fits = EvaluateFit(graph, 2).terms;
   EXPECT_EQ(fits[0].factors, 0);
   EXPECT_EQ(fits[0].variance_factor, 0);
   EXPECT_EQ(fits[1].factors, 200);
   EXPECT_NEAR(fits[1].variance_factor, 1, 0.15);
+}
+
+// r = 2 x + offset.
+struct Line {
+  double offset;
+  template <typename T>
+  bool operator()(const T* value, T* r) const {
+    r[0] = 2.0 * value[0] + offset;
+    return true;
+  }
+};
+
+TEST(EvaluateFit, StatesTheInformationOfNumbersInTheUnitOfWhatResidualsReallyAre) {
+  // Residuals 3 and 1 of one term, derivative 2 each: variance factor (9 + 1) / 2.
+  const BlockKindPtr number = Kind("number", 1, BlockLifetime::kPoint);
+  FactorGraph graph;
+  const double x = 0;
+  graph.AddBlock(number, 0, &x);
+  for (const double offset : {3.0, 1.0}) {
+    FactorGraph::NewFactor factor;
+    factor.cost = std::make_unique<ceres::AutoDiffCostFunction<Line, 1, 1>>(new Line{offset});
+    graph.AddFactor(std::move(factor), {0});
+  }
+  EXPECT_NEAR(EvaluateFit(graph, 1).information[0], (4 + 4) / 5.0, 1e-12);
 }
 
 TEST(FactorGraphDeathTest, BlocksComeBeforeFactorsAndSizesMustFit) {
