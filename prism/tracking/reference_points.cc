@@ -21,16 +21,13 @@ std::vector<ReferencePoint> MakeReferencePoints(const Window& window, const Keyf
       if (IsObserved(window.camera, reference_from_host, *point, reference) &&
           ProjectBetweenFrames(
               window.camera, point->patch.px, point->rho, reference_from_host, &x_V)) {
-        // rho_j = rho_i / X_z with X = rho_i x_C,j, so drho_j / drho_i = (1 - rho_j dX_z / drho_i)
-        // / X_z.
-        const Eigen::Vector3d ray = ScaledRay(window.camera, point->patch.px, point->rho);
-        const double X_z = (reference_from_host.R * ray + point->rho * reference_from_host.t).z();
-        const Eigen::Vector3d at_infinity = ScaledRay(window.camera, point->patch.px, 0);
-        const double dX_z =
-            (reference_from_host.t -
-             window.camera.f *
-                 (reference_from_host.R * Eigen::Vector3d(at_infinity.x(), at_infinity.y(), 0)))
-                .z();
+        // rho_j = rho_i / X_z with X = rho_i x_C,j, which is affine in rho_i.
+        const auto X_z_at = [&](double rho) {
+          const Eigen::Vector3d ray = ScaledRay(window.camera, point->patch.px, rho);
+          return (reference_from_host.R * ray + rho * reference_from_host.t).z();
+        };
+        const double X_z = X_z_at(point->rho);
+        const double dX_z = X_z_at(1) - X_z_at(0);
         const double rho = point->rho / X_z;
         points.push_back({x_V.head<2>(), rho, std::abs((1 - rho * dX_z) / X_z) * point->rho_sigma});
       }
