@@ -29,6 +29,9 @@ class RgbdSequence {
   int size() const { return static_cast<int>(entries_.size()); }
   const PlenopticCamera& camera() const { return camera_; }
   int64_t time_ns(int index) const { return entries_[index].time_ns; }
+  // The files of a frame, within the folder.
+  const std::string& image_path(int index) const { return entries_[index].image_path; }
+  const std::string& depth_path(int index) const { return entries_[index].depth_path; }
 
   // Deterministic in the index and the seed; safe to call from several threads.
   LightFieldFrame Read(int index) const;
