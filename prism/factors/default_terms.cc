@@ -13,7 +13,7 @@ bool DefaultTermOptions::IsValid(std::string* error) const {
 TermList MakeDefaultTerms(const DefaultTermOptions& options) {
   PhotometricTermOptions photometric = options.photometric;
   InverseVirtualDepthTermOptions depth = options.depth;
-  if (!options.robust_loss) photometric.huber = depth.huber = 0;
+  if (!options.robust_loss) photometric.cauchy = depth.huber = 0;
   TermList terms = {std::make_shared<PhotometricTerm>(photometric)};
   if (options.depth_residual) terms.push_back(std::make_shared<InverseVirtualDepthTerm>(depth));
   terms.push_back(std::make_shared<StatePriorTerm>());

@@ -45,8 +45,8 @@ void InverseVirtualDepthTerm::AddPointFactors(const Window& window,
                                               WindowGraph* graph) const {
   if (!(point.w_sigma > 0)) return;
   FactorGraph::NewFactor factor;
-  factor.cost =
-      std::make_unique<InverseVirtualDepthCost>(point.w_measured, point.w_sigma, &window.camera);
+  factor.cost = std::make_unique<InverseVirtualDepthCost>(
+      point.w_measured, window.noise.DepthScale() * point.w_sigma, &window.camera);
   factor.loss = loss_.get();
   graph->AddFactor(std::move(factor), {rho_block});
 }

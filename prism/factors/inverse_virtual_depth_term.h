@@ -45,7 +45,8 @@ class InverseVirtualDepthTerm : public Term {
  public:
   explicit InverseVirtualDepthTerm(const InverseVirtualDepthTermOptions& options);
 
-  std::string name() const override { return "inverse virtual depth"; }
+  static constexpr char kName[] = "inverse virtual depth";
+  std::string name() const override { return kName; }
   void AddPointFactors(const Window& window,
                        size_t host_index,
                        const Point& point,

@@ -12,12 +12,12 @@
 namespace prism {
 
 bool PhotometricTermOptions::IsValid(std::string* error) const {
-  if (huber >= 0 && outliers.max_rms > 0 && outliers.quantile_factor >= 0 &&
+  if (cauchy >= 0 && outliers.max_rms > 0 && outliers.quantile_factor >= 0 &&
       outliers.quantile > 0 && outliers.quantile <= 1) {
     return true;
   }
   *error =
-      "the photometric term needs a Huber threshold of 0 or more, a positive outlier threshold and "
+      "the photometric term needs a Cauchy scale of 0 or more, a positive outlier threshold and "
       "a quantile in (0, 1]";
   return false;
 }
@@ -25,8 +25,8 @@ bool PhotometricTermOptions::IsValid(std::string* error) const {
 PhotometricTerm::PhotometricTerm(const PhotometricTermOptions& options) : options_(options) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
-  if (options.huber > 0) {
-    loss_ = std::make_unique<ceres::HuberLoss>(options.huber * std::sqrt(double{kPatternSize}));
+  if (options.cauchy > 0) {
+    loss_ = std::make_unique<ceres::CauchyLoss>(options.cauchy * std::sqrt(double{kPatternSize}));
   }
 }
 

@@ -10,8 +10,10 @@
 namespace prism {
 
 struct PhotometricTermOptions {
-  // Standard deviations, over the norm of a pattern's 8 residuals / sqrt(8). 0: squares (ablation).
-  double huber = 3;
+  // Scale of Cauchy's loss in standard deviations, over the norm of a pattern's 8 residuals /
+  // sqrt(8). 0: squares (ablation). With Huber's, what hides a part of the view drags the
+  // brightness of a frame along.
+  double cauchy = 1.5;
   // DSO's frame energy threshold on a pattern's RMS; groups are target frames.
   OutlierRule outliers = {3, 2, 0.7};
 

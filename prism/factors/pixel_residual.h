@@ -7,6 +7,7 @@
 #include "prism/camera/projection.h"
 #include "prism/image/image.h"
 #include "prism/image/interpolation.h"
+#include "prism/image/patch.h"
 
 namespace prism {
 
@@ -33,7 +34,8 @@ struct PixelResidual {
   double J_rho = 0;                     // Eq. (84)
 };
 
-// False if the point is at or inside the focal length or its pixel not a pixel inside the image.
+// False if the point is at or inside the focal length, its pixel not a pixel inside the image, or
+// the image clipped there.
 // Jacobians only if asked for.
 inline bool EvaluatePixel(const ReferencePixel& pixel,
                           double rho,
@@ -51,7 +53,9 @@ inline bool EvaluatePixel(const ReferencePixel& pixel,
   if (!projection.Project(X, rho, &image)) return false;
   if (!target_image.Contains(image.x, image.y, 1)) return false;
   const InterpolatedValue target = InterpolateBilinear(target_image, image.x, image.y);
-  residual->value = target.value - state.gain * pixel.intensity - state.b;
+  const double expected = state.gain * pixel.intensity + state.b;
+  if (IsClipped(target.value, expected)) return false;
+  residual->value = target.value - expected;
   if (!with_jacobians) return true;
   const Eigen::Vector3d over_X = ScaledProjection::PullBack(image, X, target.dx, target.dy);
   residual->J_state.head<6>() = ScaledProjection::OverPose(over_X, X, rho);

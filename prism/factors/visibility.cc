@@ -6,14 +6,16 @@
 
 namespace prism {
 
+bool IsHidden(const Point& point, const Keyframe& target) {
+  return std::find(point.outlier_targets.begin(), point.outlier_targets.end(), target.id) !=
+         point.outlier_targets.end();
+}
+
 bool IsObserved(const PlenopticProjection& camera,
                 const RigidMotion& target_from_host,
                 const Point& point,
                 const Keyframe& target) {
-  if (std::find(point.outlier_targets.begin(), point.outlier_targets.end(), target.id) !=
-      point.outlier_targets.end()) {
-    return false;
-  }
+  if (IsHidden(point, target)) return false;
   Eigen::Vector3d x_V;
   return ProjectBetweenFrames(camera, point.patch.px, point.rho, target_from_host, &x_V) &&
          target.frame->image[0].view().Contains(x_V.x(), x_V.y(), kPatternRadius + 2);

@@ -12,8 +12,9 @@ struct FitQuality {
   double rms = INFINITY;        // of residuals that are no outliers, in NoiseModel::FitSigma()
   double outlier_fraction = 1;  // of the residuals
   double visible_fraction = 0;  // of what was looked for
-  double log_gain = 0;          // |a|, change of brightness
-  double depth_agreement = 1;   // DepthAgreement; 1 where it is not asked for
+  double log_gain = 0;          // change of brightness, |a|, against what was expected
+  // DepthAgreement over what is usual; 1 where it is not asked for or says nothing.
+  double depth_agreement = 1;
 };
 
 // "Is this fit good?", in one set of limits for each use.
@@ -30,11 +31,11 @@ struct FitLimits {
 
 struct FitOptions {
   // No match at all, whatever else is known.
-  FitLimits possible;
+  FitLimits possible = {4, 0.75, 0.3, 0.7, 0};
   // Of a frame while few frames tell what fits: a quarter of outliers is still a match.
-  FitLimits start = {4, 0.25, 0.3, 0.7, 0};
+  FitLimits start = {4, 0.25, 0.3, 0.7, 0.4};
   // Of a frame once that is known.
-  FitLimits match = {2.5, 0.5, 0.3, 0.7, 0};
+  FitLimits match = {2.5, 0.75, 0.3, 0.7, 0.8};  // half the view may be hidden
   // A fit that leaves nothing to ask for: beyond it, other starts are tried.
   FitLimits good = {1.5, 0.15, 0.3, 0.7, 0};
   // After a loss: nothing but the images speaks for a match, and a wrong pose spoils the map.

@@ -16,6 +16,7 @@ namespace prism {
 
 // A scene point, hosted by the keyframe it was selected in.
 struct Point {
+  int id = 0;  // rising, one for each point the window ever had
   PhotometricPatch patch;
   double rho = 0;  // metric inverse depth in the host frame, 1/m
   // Standard deviation of rho, poses held, from all that is known of the point; 0: not known

@@ -9,11 +9,34 @@
 
 namespace prism {
 
+namespace {
+
+void KeepLast(double value, std::vector<double>* values) {
+  constexpr size_t kFrames = 30;
+  values->push_back(value);
+  if (values->size() > kFrames) values->erase(values->begin());
+}
+
+}  // namespace
+
 NoiseModel::NoiseModel(double image_sigma, double model_sigma)
     : image_sigma_(image_sigma), model_sigma_(model_sigma) {}
 
-double NoiseModel::ResidualSigma() const {
+double NoiseModel::StatedSigma() const {
   return std::hypot(std::sqrt(2.0) * image_sigma_, model_sigma_);
+}
+
+double NoiseModel::ResidualSigma() const { return photometric_scale_ * StatedSigma(); }
+
+void NoiseModel::ObserveWindow(double photometric_variance_factor, double depth_variance_factor) {
+  // Of the way in the logarithm, a keyframe.
+  constexpr double kRate = 0.1;
+  const auto follow = [](double variance_factor, double least, double most, double* scale) {
+    if (!(variance_factor > 0)) return;
+    *scale = std::clamp(*scale * std::pow(variance_factor, 0.5 * kRate), least, most);
+  };
+  follow(photometric_variance_factor, 0.4, 3, &photometric_scale_);
+  follow(depth_variance_factor, 0.5, 2, &depth_scale_);
 }
 
 double NoiseModel::Misfit() const {
@@ -21,10 +44,14 @@ double NoiseModel::Misfit() const {
   return std::max(Quantile(misfits_, 0.5), kLeast);
 }
 
-void NoiseModel::Observe(double rms) {
-  constexpr size_t kFrames = 30;
-  misfits_.push_back(rms / ResidualSigma());
-  if (misfits_.size() > kFrames) misfits_.erase(misfits_.begin());
+void NoiseModel::Observe(double rms) { KeepLast(rms / StatedSigma(), &misfits_); }
+
+void NoiseModel::ObserveDepthAgreement(double agreement) {
+  KeepLast(agreement, &depth_agreements_);
+}
+
+double NoiseModel::UsualDepthAgreement() const {
+  return depth_agreements_.empty() ? 1 : Quantile(depth_agreements_, 0.5);
 }
 
 }  // namespace prism

@@ -6,9 +6,9 @@
 
 namespace prism {
 
-// What photometric residuals scatter by, intensities 0 to 255: the noise of both images, and what
-// the model leaves out (interpolation, depth edges, reflections). The one measure that residuals
-// are weighted by and fits are judged by.
+// What fits: what photometric residuals scatter by, intensities 0 to 255: the noise of both images,
+// and what the model leaves out (interpolation, depth edges, reflections). The one measure that
+// residuals are weighted by and fits are judged by.
 class NoiseModel {
  public:
   // Before anything is measured. `image_sigma` of one image (EstimateImageNoise); `model_sigma` is
@@ -17,21 +17,35 @@ class NoiseModel {
 
   // Standard deviation that residuals of a pixel are weighted by, beside DSO's gradient weight.
   double ResidualSigma() const;
+  // Times the stated standard deviation of a measured 1/v, what it is worth in the window.
+  double DepthScale() const { return depth_scale_; }
+  // A posteriori variance factors of a window that fits: the two standard deviations follow them
+  // slowly (variance components). Their ratio decides where translation ends up.
+  void ObserveWindow(double photometric_variance_factor, double depth_variance_factor);
 
-  // What residuals of frames that fit really scatter by: ResidualSigma() times the misfit, which is
+  // What residuals of frames that fit really scatter by: StatedSigma() times the misfit, which is
   // the median over the last 30 frames that were told to Observe, and 1.25 at the least and before
   // (bilinear interpolation of sharp images costs that much on noise-free ones).
-  double FitSigma() const { return Misfit() * ResidualSigma(); }
-  double Misfit() const;
+  double FitSigma() const { return Misfit() * StatedSigma(); }
+  double Misfit() const;  // in StatedSigma()
   // RMS of the residuals of a frame that fits, intensities.
   void Observe(double rms);
+  // DepthAgreement of a frame that fits, and what is usual: the median of the last 30, 1 before.
+  void ObserveDepthAgreement(double agreement);
+  double UsualDepthAgreement() const;
   // Enough frames were observed to know what fits.
   bool KnowsFit() const { return misfits_.size() >= 3; }
 
  private:
+  // Before windows have told more.
+  double StatedSigma() const;
+
   double image_sigma_;
   double model_sigma_;
-  std::vector<double> misfits_;  // of the last frames
+  double photometric_scale_ = 1;
+  double depth_scale_ = 1;
+  std::vector<double> misfits_;           // of the last frames
+  std::vector<double> depth_agreements_;  // of the last frames
 };
 
 }  // namespace prism

@@ -23,6 +23,7 @@ struct Window {
   std::deque<std::unique_ptr<Keyframe>> keyframes;
   std::vector<StateBlock> states;  // that live as long as the run
   LinearPrior prior;
+  int next_point_id = 0;
 
   bool empty() const { return keyframes.empty(); }
   Keyframe& newest() { return *keyframes.back(); }

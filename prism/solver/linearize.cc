@@ -116,6 +116,7 @@ bool NeedsFirstEstimateCost(const FactorGraph& graph, const FactorGraph::Factor&
 GraphFit EvaluateFit(const FactorGraph& graph, int num_terms) {
   GraphFit fit;
   fit.terms.resize(num_terms);
+  std::vector<double> redundancy(num_terms, 0);
   const size_t num_blocks = graph.blocks().size();
   std::vector<std::vector<double>> information(num_terms, std::vector<double>(num_blocks, 0));
   std::vector<const double*> parameters;
@@ -140,17 +141,26 @@ GraphFit EvaluateFit(const FactorGraph& graph, int num_terms) {
     if (factor.loss != nullptr) factor.loss->Evaluate(s, rho);
     TermFit& term = fit.terms[factor.term];
     ++term.factors;
-    term.variance_factor += rho[1] * s / static_cast<double>(rows);
+    term.variance_factor += rho[1] * s;
+    redundancy[factor.term] += rho[1] * static_cast<double>(rows);
     for (int k = 0; k < factor.num_blocks; ++k) {
       if (jacobians[k] == nullptr) continue;
       information[factor.term][graph.BlocksOf(factor)[k]] += rho[1] * J.col(k).squaredNorm();
     }
   }
+  // A block of size 1 takes as much from the residuals of a term as the term tells of it.
+  for (size_t i = 0; i < num_blocks; ++i) {
+    double total = 0;
+    for (int term = 0; term < num_terms; ++term) total += information[term][i];
+    if (!(total > 0)) continue;
+    for (int term = 0; term < num_terms; ++term) redundancy[term] -= information[term][i] / total;
+  }
   fit.information.assign(num_blocks, 0);
   for (int term = 0; term < num_terms; ++term) {
     TermFit& term_fit = fit.terms[term];
     if (term_fit.factors == 0) continue;
-    term_fit.variance_factor /= term_fit.factors;
+    term_fit.variance_factor =
+        redundancy[term] > 0 ? term_fit.variance_factor / redundancy[term] : 0;
     const double factor = std::max(term_fit.variance_factor, 1.0);
     for (size_t i = 0; i < num_blocks; ++i) fit.information[i] += information[term][i] / factor;
   }

@@ -49,8 +49,10 @@ class FirstEstimateCost : public ceres::CostFunction {
 // cost does not do so itself.
 bool NeedsFirstEstimateCost(const FactorGraph& graph, const FactorGraph::Factor& factor);
 
-// How the factors of one term fit: the mean of weight * |residuals|^2 / number of residuals, 1 if
-// the stated standard deviations are right; 0 without factors.
+// How the factors of one term fit: the weighted sum of |residuals|^2 over the term's redundancy,
+// the weighted number of its residuals less its share in what the blocks of size 1 took (variance
+// components, W. Foerstner 1979). 1 if the stated standard deviations are right; 0 without factors
+// or redundancy.
 struct TermFit {
   int factors = 0;
   double variance_factor = 0;

@@ -9,7 +9,7 @@
 namespace prism {
 
 struct SolveOptions {
-  int max_iterations = 3;
+  int max_iterations = 10;
   double function_tolerance = 2e-3;  // relative fall of the cost below which it has converged
   int threads = 2;                   // of the evaluation and the linear algebra
 

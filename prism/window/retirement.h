@@ -13,7 +13,7 @@ namespace prism {
 
 struct RetirementOptions {
   double min_visible_fraction = 0.05;  // of a keyframe's points, in the newest keyframe
-  double max_log_gain = 0.7;           // |a - a_newest|
+  double max_log_gain = 1.5;           // |a - a_newest|
 
   bool IsValid(std::string* error) const;
 };

@@ -249,7 +249,8 @@ struct Line {
 };
 
 TEST(EvaluateFit, StatesTheInformationOfNumbersInTheUnitOfWhatResidualsReallyAre) {
-  // Residuals 3 and 1 of one term, derivative 2 each: variance factor (9 + 1) / 2.
+  // Residuals 3 and 1 of one term, derivative 2 each, and one unknown: variance factor 10 / (2 -
+  // 1).
   const BlockKindPtr number = Kind("number", 1, BlockLifetime::kPoint);
   FactorGraph graph;
   const double x = 0;
@@ -259,7 +260,27 @@ TEST(EvaluateFit, StatesTheInformationOfNumbersInTheUnitOfWhatResidualsReallyAre
     factor.cost = std::make_unique<ceres::AutoDiffCostFunction<Line, 1, 1>>(new Line{offset});
     graph.AddFactor(std::move(factor), {0});
   }
-  EXPECT_NEAR(EvaluateFit(graph, 1).information[0], (4 + 4) / 5.0, 1e-12);
+  EXPECT_NEAR(EvaluateFit(graph, 1).information[0], (4 + 4) / 10.0, 1e-12);
+}
+
+TEST(EvaluateFit, ANumberTakesFromEachTermWhatTheTermTellsOfIt) {
+  // One unknown, a residual of 3 with derivative 2 in one term and three of 1 in the other.
+  const BlockKindPtr number = Kind("number", 1, BlockLifetime::kPoint);
+  FactorGraph graph;
+  const double x = 0;
+  graph.AddBlock(number, 0, &x);
+  const std::vector<std::vector<double>> offsets = {{3}, {1, 1, 1}};
+  for (size_t term = 0; term < offsets.size(); ++term) {
+    graph.BeginTerm(static_cast<int>(term));
+    for (const double offset : offsets[term]) {
+      FactorGraph::NewFactor factor;
+      factor.cost = std::make_unique<ceres::AutoDiffCostFunction<Line, 1, 1>>(new Line{offset});
+      graph.AddFactor(std::move(factor), {0});
+    }
+  }
+  const GraphFit fit = EvaluateFit(graph, 2);
+  EXPECT_NEAR(fit.terms[0].variance_factor, 9 / (1 - 0.25), 1e-12);
+  EXPECT_NEAR(fit.terms[1].variance_factor, 3 / (3 - 0.75), 1e-12);
 }
 
 TEST(FactorGraphDeathTest, BlocksComeBeforeFactorsAndSizesMustFit) {

@@ -151,7 +151,7 @@ TEST(KeyframesToRetire, KeepsTheTwoNewestAndTheWindowLength) {
 
 TEST(KeyframesToRetire, ABrightnessTooFarOffRetires) {
   Window window = MakeSyntheticWindow(SmallWindow());
-  window.keyframes[1]->state = FrameState(window.keyframes[1]->state.pose(), 1.5, 0);
+  window.keyframes[1]->state = FrameState(window.keyframes[1]->state.pose(), 1.6, 0);
   EXPECT_EQ(KeyframesToRetire({}, {}, window), std::vector<int>{1});
 }
 
