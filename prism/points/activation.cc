@@ -3,6 +3,9 @@
 #include "prism/points/activation.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "prism/factors/visibility.h"
 
 namespace prism {
 
@@ -15,6 +18,43 @@ bool ActivationOptions::IsValid(std::string* error) const {
   return false;
 }
 
+namespace {
+
+// False if most of the depths measured around a pixel contradict its own. At the edge of a thing
+// half of them do.
+bool IsSupported(const LightFieldFrame& frame, int x, int y) {
+  constexpr int kRadius = 2;              // px
+  constexpr int kMinMeasured = 5;         // fewer say nothing
+  constexpr double kMaxDifference = 3.5;  // standard deviations
+  constexpr double kMinAgreeing = 0.35;
+  const double w = frame.inverse_virtual_depth(x, y), sigma = frame.sigma(x, y);
+  int measured = 0, agreeing = 0;
+  for (int v = std::max(y - kRadius, 0); v <= std::min(y + kRadius, frame.sigma.height() - 1);
+       ++v) {
+    for (int u = std::max(x - kRadius, 0); u <= std::min(x + kRadius, frame.sigma.width() - 1);
+         ++u) {
+      const double other = frame.sigma(u, v);
+      if (other == 0 || (u == x && v == y)) continue;
+      ++measured;
+      agreeing += std::abs(frame.inverse_virtual_depth(u, v) - w) <
+                  kMaxDifference * std::hypot(sigma, other);
+    }
+  }
+  return measured < kMinMeasured || agreeing >= kMinAgreeing * measured;
+}
+
+int NumObserved(const Window& window, const Keyframe& target) {
+  int count = 0;
+  for (const auto& host : window.keyframes) {
+    for (const auto& point : host->points) {
+      count += host->id == target.id || IsObserved(window, *host, *point, target);
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
 void ActivatePoints(const ActivationOptions& options,
                     const TermList& terms,
                     int max_points,
@@ -24,7 +64,9 @@ void ActivatePoints(const ActivationOptions& options,
   const LightFieldFrame& frame = *newest.frame;
   CoverageMap coverage(*window);
   DepthRefiner refiner(*window, terms, options.refinement);
-  int room = max_points - window->NumPoints();
+  // Points it does not see must not keep it from having some of its own.
+  const int seen = NumObserved(*window, newest);
+  int room = std::max(max_points - window->NumPoints(), max_points / 2 - seen);
   if (newest_index > 0) {
     room = std::min(room, options.max_new_points);
     room -= ActivateCandidates(
@@ -34,7 +76,8 @@ void ActivatePoints(const ActivationOptions& options,
   const auto select = [&](int count, bool with_depth) {
     const auto is_usable = [&](int x, int y) {
       return (frame.sigma(x, y) > 0) == with_depth &&
-             coverage.IsFree(x, y, options.min_point_distance);
+             coverage.IsFree(x, y, options.min_point_distance) &&
+             (!with_depth || IsSupported(frame, x, y));
     };
     return SelectPoints(squared_gradient, count, is_usable, options.selection);
   };

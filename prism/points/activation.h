@@ -19,9 +19,10 @@ struct ActivationOptions {
   bool IsValid(std::string* error) const;
 };
 
-// Gives the newest keyframe of the window its points, at most `max_points` in all keyframes:
-// certain candidates of the others first, then new ones where a depth is measured. Where none is,
-// candidates are left for motion to tell their depth.
+// Gives the newest keyframe of the window its points, at most `max_points` in all keyframes, or
+// half of that seen by the newest one if that is more: certain candidates of the others first, then
+// new ones where a depth is measured. Where none is, candidates are left for motion to tell their
+// depth.
 void ActivatePoints(const ActivationOptions& options,
                     const TermList& terms,
                     int max_points,

@@ -33,7 +33,6 @@ bool UpdateCandidate(const CandidateOptions& options,
   switch (match.status) {
     case EpipolarSearchStatus::kOutside:
     case EpipolarSearchStatus::kTooShort:
-    case EpipolarSearchStatus::kTooLong:
       return true;  // says nothing about the candidate
     case EpipolarSearchStatus::kAmbiguous:
     case EpipolarSearchStatus::kBadMatch:
@@ -108,6 +107,7 @@ bool ActivateCandidate(size_t host_index,
                        DepthRefiner* refiner,
                        Window* window) {
   auto point = std::make_unique<Point>();
+  point->id = window->next_point_id++;
   point->patch = candidate.patch;
   point->rho = candidate.rho;
   point->w_measured = candidate.w_measured;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "prism/factors/visibility.h"
+
 namespace prism {
 
 CoverageMap::CoverageMap(const Window& window)
@@ -16,7 +18,8 @@ CoverageMap::CoverageMap(const Window& window)
     const RigidMotion newest_from_host(newest.state.pose() * host->state.pose().Inverse());
     for (const auto& point : host->points) {
       Eigen::Vector3d x_V;
-      if (ProjectBetweenFrames(
+      if (!IsHidden(*point, newest) &&
+          ProjectBetweenFrames(
               window.camera, point->patch.px, point->rho, newest_from_host, &x_V)) {
         Add(x_V.head<2>());
       }

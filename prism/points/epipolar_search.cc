@@ -67,13 +67,9 @@ EpipolarSearchResult SearchEpipolarLine(const PlenopticProjection& camera,
       !ProjectBetweenFrames(camera, patch.px, rho_max, target_from_host, &near_px)) {
     return result;
   }
-  const double length = (near_px - far_px).head<2>().norm();
-  if (length < options.min_length) {
+  const double full_length = (near_px - far_px).head<2>().norm();
+  if (full_length < options.min_length) {
     result.status = EpipolarSearchStatus::kTooShort;
-    return result;
-  }
-  if (length > options.max_length) {
-    result.status = EpipolarSearchStatus::kTooLong;
     return result;
   }
 
@@ -85,8 +81,11 @@ EpipolarSearchResult SearchEpipolarLine(const PlenopticProjection& camera,
     return (target_from_host.R * ray + rho * target_from_host.t).z() - rho * camera.f;
   };
   const double k = denominator(rho_max) / denominator(rho_min);
+  // Most things are far: of a long line, that end (as in DSO).
+  const double length = std::min(full_length, options.max_length);
   const int steps = std::max(2, static_cast<int>(std::ceil(length / options.step)));
-  const auto rho_at = [&](double s) {
+  const auto rho_at = [&](double fraction) {
+    const double s = fraction * length / full_length;
     return rho_min + (rho_max - rho_min) * s / (k + s * (1 - k));
   };
   const PatchMatcher matcher(camera, patch, pair, target_image);
@@ -97,6 +96,10 @@ EpipolarSearchResult SearchEpipolarLine(const PlenopticProjection& camera,
     if (errors[i] < errors[best]) best = i;
   }
   if (!std::isfinite(errors[best])) return result;
+  if (best == steps && length < full_length) {  // a better one may follow
+    result.status = EpipolarSearchStatus::kAmbiguous;
+    return result;
+  }
 
   // Gauss-Newton inside the two steps around the best.
   const double low = rho_at(std::max(best - 1, 0) / static_cast<double>(steps));

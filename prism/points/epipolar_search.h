@@ -13,7 +13,7 @@ namespace prism {
 
 struct EpipolarSearchOptions {
   double step = 1;               // px along the epipolar line
-  double max_length = 60;        // px: a longer search is too ambiguous to be worth its time
+  double max_length = 60;        // px: of a longer line the far end alone is searched
   double min_length = 1.5;       // px: on a shorter one a match would not tell the depth
   double max_rms = 3;            // standard deviations of a residual
   double min_uniqueness = 1.5;   // squared error of the second best match over that of the best
@@ -27,7 +27,6 @@ enum class EpipolarSearchStatus {
   kFound,
   kOutside,   // the line does not pass through the image
   kTooShort,  // the parallax is too small to tell the depth
-  kTooLong,
   kAmbiguous,
   kBadMatch,
 };

@@ -110,6 +110,34 @@ TEST(SearchEpipolarLine, FindsTheTrueDepthInAWideInterval) {
   EXPECT_LT(wrong, found / 10);
 }
 
+TEST(SearchEpipolarLine, SearchesTheFarEndOfALineThatIsTooLong) {
+  SyntheticOptions options = SmallWindow();
+  options.num_keyframes = 2;
+  options.baseline = 0.1;
+  const Window window = MakeSyntheticWindow(options);
+  FramePair pair;
+  pair.inverse_sigma = 1 / window.noise.ResidualSigma();
+  pair.Update(window.keyframes[0]->state, window.keyframes[1]->state);
+  // Points are at 2 m. To 0.1 m, lines would be some 10 times as long.
+  EpipolarSearchOptions search;
+  search.max_length = 25;
+  int found = 0, wrong = 0;
+  for (const auto& point : window.keyframes[0]->points) {
+    const EpipolarSearchResult match = SearchEpipolarLine(window.camera,
+                                                          point->patch,
+                                                          pair,
+                                                          window.keyframes[1]->frame->image[0],
+                                                          0.7 * point->rho,
+                                                          20 * point->rho,
+                                                          search);
+    if (match.status != EpipolarSearchStatus::kFound) continue;
+    ++found;
+    wrong += std::abs(match.rho / point->rho - 1) > 0.05;
+  }
+  EXPECT_GT(found, 30);
+  EXPECT_LT(wrong, found / 8);
+}
+
 TEST(SearchEpipolarLine, SaysWhenTheParallaxIsTooSmall) {
   SyntheticOptions options = SmallWindow();
   options.num_keyframes = 2;
