@@ -53,7 +53,7 @@ DEFINE_uint64(seed, 0, "Seed of everything random.");
 DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D input; 0: clean.");
 DEFINE_int32(window_keyframes, 8, "Keyframes optimised together.");
 DEFINE_int32(active_points, 2000, "Points in the sliding window.");
-DEFINE_int32(iterations, 3, "Iterations of each window optimisation.");
+DEFINE_int32(iterations, 10, "Iterations of a window optimisation that does not converge before.");
 DEFINE_double(photometric_model_sigma,
               3.5,
               "Photometric error beside the measured image noise, 0 to 255.");
@@ -65,7 +65,7 @@ DEFINE_bool(marginalization_prior,
             "Prior from what left the window; false: it is forgotten.");
 DEFINE_bool(first_estimate_jacobians, true, "Frames in the prior keep their linearisation point.");
 DEFINE_bool(affine_brightness, true, "Affine brightness (a, b) of each frame; false: held at 0.");
-DEFINE_bool(robust_loss, true, "Huber norm on all residuals; false: squares.");
+DEFINE_bool(robust_loss, true, "Robust losses of all residuals; false: squares.");
 DEFINE_int32(live, 0, "Port to show the run on in a browser while it goes on; 0: not shown.");
 DEFINE_string(live_address, "127.0.0.1", "Address to serve --live on.");
 
@@ -177,7 +177,9 @@ ExitStatus Run() {
   }
   record.wall_seconds = seconds();
   record.stages = odometry.timer().Summarize();
+  record.trajectory = odometry.FrameTrajectory();
   record.intensity_sigma = odometry.window().noise.ResidualSigma();
+  record.depth_scale = odometry.window().noise.DepthScale();
 
   WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order());
   if (!groundtruth.empty()) WriteMetrics(FLAGS_output_dir, record, odometry, groundtruth);

@@ -16,6 +16,12 @@ inline constexpr std::array<std::array<int, 2>, kPatternSize> kPattern = {
     {{0, -2}, {-1, -1}, {1, -1}, {-2, 0}, {0, 0}, {2, 0}, {-1, 1}, {0, 2}}};
 inline constexpr int kPatternRadius = 2;  // px
 
+// True if a pixel is white where something brighter than white is expected: it says nothing of by
+// how much. Intensities 0 to 255.
+inline bool IsClipped(double intensity, double expected) {
+  return intensity >= 254 && expected > 255;
+}
+
 // The pattern around one pixel of its host frame.
 struct PhotometricPatch {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();  // centre, focused px

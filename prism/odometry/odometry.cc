@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <glog/logging.h>
@@ -11,6 +12,8 @@
 #include "prism/factors/prior_term.h"
 #include "prism/image/noise.h"
 #include "prism/odometry/recovery.h"
+#include "prism/points/hidden_points.h"
+#include "prism/tracking/depth_agreement.h"
 #include "prism/tracking/reference_points.h"
 
 namespace prism {
@@ -22,6 +25,18 @@ FrameState Compose(const AlignmentState& alignment, const FrameState& reference)
   return FrameState(alignment.target_from_reference * reference.pose(),
                     reference.a() + alignment.a,
                     std::exp(alignment.a) * reference.b() + alignment.b);
+}
+
+// Of the points that do not fit a frame in which many do not: those are hidden. In other frames the
+// robust loss does better than a verdict that trusts the tracked pose.
+std::set<int> HiddenPoints(const TrackingReference& reference, const PointFits& points) {
+  constexpr double kMany = 0.15;
+  std::set<int> ids;
+  if (points.OutlierFraction() < kMany) return ids;
+  for (size_t i = 0; i < points.fits.size(); ++i) {
+    if (points.fits[i] == PointFit::kOutlier) ids.insert(reference.points[i].point_id);
+  }
+  return ids;
 }
 
 // The worst of the terms says how the window fits.
@@ -36,7 +51,8 @@ KeyframeStatus Judge(const KeyframeResult& result,
     const TermSummary& term = result.optimization.terms[i];
     if (term.factors == 0) continue;
     // Residuals of images are known to be larger than stated by the misfit.
-    const double expected = term.name == PhotometricTerm::kName ? noise.Misfit() : 1;
+    const double expected =
+        term.name == PhotometricTerm::kName ? noise.FitSigma() / noise.ResidualSigma() : 1;
     fit.rms = std::max(fit.rms, std::sqrt(term.variance_factor) / expected);
     fit.outlier_fraction =
         std::max(fit.outlier_fraction,
@@ -55,6 +71,8 @@ const char* ToString(FrameStatus status) {
       return "no texture";
     case FrameStatus::kLost:
       return "lost";
+    case FrameStatus::kDepthsDisagree:
+      return "depths disagree";
   }
   return "";
 }
@@ -94,7 +112,8 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
     if (lost_frames_ > 0) {
       match = Recover(options_.tracker.fit.recovered, camera_, window_, *frame, &tracker_);
     } else {
-      match.tracking = tracker_.Track(frame->image, frame->time_ns, window_.noise);
+      match.tracking = tracker_.Track(
+          frame->image, frame->time_ns, window_.noise, MakeDepthCheck(window_.noise, *frame, 1));
       if (match.tracking.status == TrackingStatus::kGood) match.reference = &window_.newest();
     }
   }
@@ -102,14 +121,16 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
 
   const FrameAlignmentResult& alignment = match.tracking.alignment;
   const FrameState reference = match.reference->state;
-  window_.noise.Observe(alignment.rms);
+  window_.noise.Observe(alignment.points.rms);
+  window_.noise.ObserveDepthAgreement(alignment.fit.depth_agreement *
+                                      window_.noise.UsualDepthAgreement());
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
   result.status = FrameStatus::kTracked;
   result.fit = alignment.fit;
-  result.rms = alignment.rms;
-  result.points_used = alignment.inliers;
+  result.rms = alignment.points.rms;
+  result.points_used = alignment.points.seen - alignment.points.outliers;
   result.keyframe_id = match.reference->id;
   result.state = Compose(alignment.state, reference);
   {
@@ -122,12 +143,12 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
                                     camera_.focused_width(),
                                     camera_.focused_height(),
                                     options_.keyframe)) {
-    result.keyframe = MakeKeyframe(frame, result.state, reference.pose());
+    result.keyframe = MakeKeyframe(frame, result.state, reference.pose(), alignment.points);
     result.is_keyframe = true;
     result.keyframe_id = window_.newest().id;
     result.state = window_.newest().state;
   } else {
-    if (first_rms_ == 0) first_rms_ = alignment.rms;
+    if (first_rms_ == 0) first_rms_ = alignment.points.rms;
     const size_t index =
         map_.AddFrame(frame->time_ns, match.reference->id, alignment.state.target_from_reference);
     recent_frames_.Add(*frame, alignment.state, index);
@@ -149,8 +170,16 @@ FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
-  result.status =
-      status == TrackingStatus::kNoTexture ? FrameStatus::kNoTexture : FrameStatus::kLost;
+  switch (status) {
+    case TrackingStatus::kNoTexture:
+      result.status = FrameStatus::kNoTexture;
+      break;
+    case TrackingStatus::kDepthsDisagree:
+      result.status = FrameStatus::kDepthsDisagree;
+      break;
+    default:
+      result.status = FrameStatus::kLost;
+  }
   return result;
 }
 
@@ -160,6 +189,7 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   result.segment = segment_;
   window_.noise = NoiseModel(EstimateImageNoise(frame->image[0]), options_.photometric_model_sigma);
   AddKeyframe(std::move(frame), FrameState(last_pose_, 0, 0));
+  ActivatePoints(options_.activation, terms_, options_.window.max_points, &window_);
   if (window_.NumPoints() < options_.min_start_points) {
     window_.keyframes.clear();
     --next_keyframe_id_;
@@ -171,7 +201,8 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   AnchorFirstKeyframe(&window_);
   map_.RememberKeyframes(window_);
   map_.AddFrame(window_.newest().frame->time_ns, window_.newest().id, SE3());
-  tracker_.Start(MakeReference(window_.newest()), window_.newest().frame->time_ns);
+  const LightFieldFrame& newest = *window_.newest().frame;
+  tracker_.Start(MakeReference(window_.newest()), newest.image, newest.time_ns);
   first_rms_ = 0;
   result.status = FrameStatus::kTracked;
   result.is_keyframe = true;
@@ -181,23 +212,27 @@ FrameResult Odometry::StartSegment(FramePtr frame) {
   return result;
 }
 
-// Puts a keyframe at a state into the window and gives it its points.
+// Puts a keyframe at a state into the window.
 void Odometry::AddKeyframe(FramePtr frame, const FrameState& state) {
-  const StageTimer::Scope scope(&timer_, "activate points");
   auto keyframe = std::make_unique<Keyframe>();
   keyframe->id = next_keyframe_id_++;
   keyframe->frame = std::move(frame);
   keyframe->state = state;
   window_.keyframes.push_back(std::move(keyframe));
   for (const auto& term : terms_) term->AddStates(&window_);
-  ActivatePoints(options_.activation, terms_, options_.window.max_points, &window_);
 }
 
 KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
                                       const FrameState& state,
-                                      const SE3& reference_pose) {
+                                      const SE3& reference_pose,
+                                      const PointFits& point_fits) {
   KeyframeResult result;
   AddKeyframe(std::move(frame), state);
+  MarkHiddenPoints(HiddenPoints(tracker_.reference(), point_fits), &window_);
+  {
+    const StageTimer::Scope scope(&timer_, "activate points");
+    ActivatePoints(options_.activation, terms_, options_.window.max_points, &window_);
+  }
   {
     const StageTimer::Scope scope(&timer_, "optimize window");
     result.optimization = OptimizeWindow(options_.window, terms_, &window_);
@@ -207,6 +242,10 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
     result.outliers = RemoveOutliers(terms_, options_.window.graph, &window_);
   }
   result.status = Judge(result, window_.noise, options_.tracker.fit.match);
+  if (result.status == KeyframeStatus::kGood) {
+    window_.noise.ObserveWindow(result.optimization.VarianceFactor(PhotometricTerm::kName),
+                                result.optimization.VarianceFactor(InverseVirtualDepthTerm::kName));
+  }
   map_.RememberKeyframes(window_);
   {
     const StageTimer::Scope scope(&timer_, "realign frames");

@@ -16,7 +16,12 @@
 
 namespace prism {
 
-enum class FrameStatus { kTracked, kNoTexture, kLost };
+enum class FrameStatus {
+  kTracked,
+  kNoTexture,
+  kLost,
+  kDepthsDisagree,  // the images match, but not the depths the frame measures itself: lost as well
+};
 const char* ToString(FrameStatus status);
 
 enum class KeyframeStatus {
@@ -42,7 +47,7 @@ struct FrameResult {
   FrameState state;       // cam_from_world at this moment, absolute brightness
   FitQuality fit;         // of the alignment
   double rms = 0;         // of the alignment, intensities
-  int points_used = 0;    // inlier samples of the alignment
+  int points_used = 0;    // of the reference, that fit
   int active_points = 0;  // in the window
   // Of keyframes whose window was optimised: all but the first of a segment.
   KeyframeResult keyframe;
@@ -76,7 +81,10 @@ class Odometry {
   FrameResult StartSegment(FramePtr frame);
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
   void AddKeyframe(FramePtr frame, const FrameState& state);
-  KeyframeResult MakeKeyframe(FramePtr frame, const FrameState& state, const SE3& reference_pose);
+  KeyframeResult MakeKeyframe(FramePtr frame,
+                              const FrameState& state,
+                              const SE3& reference_pose,
+                              const PointFits& point_fits);
   TrackingReference MakeReference(const Keyframe& keyframe);
 
   PlenopticCamera camera_;

@@ -20,13 +20,11 @@ RecoveryResult Recover(const FitLimits& limits,
     trial.SetReference(
         MakeTrackingReference(camera, keyframe.frame->image, MakeReferencePoints(window, keyframe)),
         keyframe.state.pose() * window.newest().state.pose().Inverse());
-    result.tracking = trial.Track(frame.image, frame.time_ns, window.noise);
+    result.tracking = trial.Track(
+        frame.image, frame.time_ns, window.noise, MakeDepthCheck(window.noise, frame, 0));
     if (result.tracking.status == TrackingStatus::kNoTexture) return result;
     if (result.tracking.status != TrackingStatus::kGood) continue;
-    FrameAlignmentResult& alignment = result.tracking.alignment;
-    alignment.fit.depth_agreement = DepthAgreement(
-        window, frame, alignment.state.target_from_reference * keyframe.state.pose());
-    if (limits.AreMetBy(alignment.fit)) {
+    if (limits.AreMetBy(result.tracking.alignment.fit)) {
       *tracker = std::move(trial);
       result.reference = &keyframe;
       return result;

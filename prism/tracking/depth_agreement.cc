@@ -7,30 +7,41 @@
 
 namespace prism {
 
-double DepthAgreement(const Window& window,
-                      const LightFieldFrame& frame,
-                      const SE3& cam_from_world) {
+std::optional<double> DepthAgreement(const TrackingReference& reference,
+                                     const FrameAlignmentResult& alignment,
+                                     const LightFieldFrame& frame) {
   constexpr int kMinMeasured = 30;
   constexpr double kMinSigma = 0.004;
+  const RigidMotion motion(alignment.state.target_from_reference);
   int measured = 0, agreeing = 0;
-  for (const auto& host : window.keyframes) {
-    const RigidMotion cam_from_host(cam_from_world * host->state.pose().Inverse());
-    for (const auto& point : host->points) {
-      Eigen::Vector3d x_V;
-      if (!ProjectBetweenFrames(window.camera, point->patch.px, point->rho, cam_from_host, &x_V) ||
-          !frame.sigma.view().Contains(x_V.x(), x_V.y(), 1)) {
-        continue;
-      }
-      const int x = static_cast<int>(x_V.x() + 0.5);
-      const int y = static_cast<int>(x_V.y() + 0.5);
-      const double sigma = frame.sigma(x, y);
-      if (sigma == 0) continue;
-      ++measured;
-      agreeing += std::abs(frame.inverse_virtual_depth(x, y) - 1 / x_V.z()) <
-                  3 * std::max(sigma, kMinSigma);
+  for (size_t i = 0; i < alignment.points.fits.size(); ++i) {
+    const ReferencePoint& point = reference.points[i];
+    Eigen::Vector3d x_V;
+    if (alignment.points.fits[i] != PointFit::kFits ||
+        !ProjectBetweenFrames(reference.cameras[0], point.px, point.rho, motion, &x_V) ||
+        !frame.sigma.view().Contains(x_V.x(), x_V.y(), 1)) {
+      continue;
     }
+    const int x = static_cast<int>(x_V.x() + 0.5);
+    const int y = static_cast<int>(x_V.y() + 0.5);
+    const double sigma = frame.sigma(x, y);
+    if (sigma == 0) continue;
+    ++measured;
+    agreeing +=
+        std::abs(frame.inverse_virtual_depth(x, y) - 1 / x_V.z()) < 3 * std::max(sigma, kMinSigma);
   }
-  return measured < kMinMeasured ? 0 : static_cast<double>(agreeing) / measured;
+  if (measured < kMinMeasured) return std::nullopt;
+  return static_cast<double>(agreeing) / measured;
+}
+
+Tracker::DepthCheck MakeDepthCheck(const NoiseModel& noise,
+                                   const LightFieldFrame& frame,
+                                   double unknown) {
+  return [&noise, &frame, unknown](const TrackingReference& reference,
+                                   const FrameAlignmentResult& alignment) {
+    const std::optional<double> agreement = DepthAgreement(reference, alignment, frame);
+    return agreement ? *agreement / noise.UsualDepthAgreement() : unknown;
+  };
 }
 
 }  // namespace prism

@@ -2,15 +2,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "prism/scene/window.h"
+#include <optional>
+
+#include "prism/scene/frame.h"
+#include "prism/scene/noise_model.h"
+#include "prism/tracking/tracker.h"
 
 namespace prism {
 
-// Fraction of the window's points that a frame at a pose measures where they are predicted to be:
-// measured 1/v within three standard deviations (0.004 at the least) of the predicted one. 0 if
-// fewer than 30 points meet a measurement. A wrong pose that happens to look right fails this.
-double DepthAgreement(const Window& window,
-                      const LightFieldFrame& frame,
-                      const SE3& cam_from_world);
+// Of the points of a reference that a frame aligned to it shows (PointFit::kFits), the fraction
+// that the frame measures where they are predicted to be: measured 1/v within three standard
+// deviations (0.004 at the least) of the predicted one. Nothing if fewer than 30 points meet a
+// measurement. A wrong pose that happens to look right fails this.
+std::optional<double> DepthAgreement(const TrackingReference& reference,
+                                     const FrameAlignmentResult& alignment,
+                                     const LightFieldFrame& frame);
+
+// The same over what is usual (NoiseModel::UsualDepthAgreement), `unknown` where it says nothing.
+// What is passed must outlive it.
+Tracker::DepthCheck MakeDepthCheck(const NoiseModel& noise,
+                                   const LightFieldFrame& frame,
+                                   double unknown);
 
 }  // namespace prism

@@ -22,17 +22,33 @@ int AlignOnLevel(const TrackingReference& reference,
                  const AlignmentOptions& options,
                  AlignmentState* state,
                  std::vector<double>* rho) {
-  // Far from the solution most residuals are large: widen the threshold until most count.
-  double widening = 1;
-  for (int doubling = 0; doubling < 4; ++doubling) {
-    const LevelCost cost =
-        LevelAlignment(reference, target[level], level, noise, options.level, widening)
-            .Evaluate(*state, *rho);
-    if (cost.inliers > 0.6 * cost.visible) break;
+  const bool free_depths = level < options.free_depth_levels;
+  const auto with_widening = [&](double widening) {
+    return LevelAlignment(reference, target[level], level, noise, options.level, widening);
+  };
+  const auto has_enough = [](const LevelCost& cost) { return cost.inliers > 0.6 * cost.visible; };
+  const LevelAlignment problem = with_widening(1);
+  if (has_enough(problem.Evaluate(*state, *rho))) return problem.Align(free_depths, state, rho);
+
+  // Most residuals are large. Either the solution is far: with a threshold so wide that most count
+  // it is found, then the threshold is narrowed again. Or most of the view is hidden: what is left
+  // says where the frame is. The one with the smaller cost is right.
+  AlignmentState far_state = *state;
+  std::vector<double> far_rho = *rho;
+  double widening = 2;
+  while (widening < 16 && !has_enough(with_widening(widening).Evaluate(far_state, far_rho))) {
     widening *= 2;
   }
-  return LevelAlignment(reference, target[level], level, noise, options.level, widening)
-      .Align(level < options.free_depth_levels, state, rho);
+  int iterations = problem.Align(free_depths, state, rho);
+  for (; widening >= 1; widening /= 2) {
+    iterations += with_widening(widening).Align(free_depths, &far_state, &far_rho);
+  }
+  if (problem.Evaluate(far_state, far_rho).PerSample() <
+      problem.Evaluate(*state, *rho).PerSample()) {
+    *state = far_state;
+    *rho = std::move(far_rho);
+  }
+  return iterations;
 }
 
 int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
@@ -80,7 +96,7 @@ void MeasureFlow(const TrackingReference& reference, FrameAlignmentResult* resul
 }
 
 AlignmentStatus Judge(const FrameAlignmentResult& result, const AlignmentOptions& options) {
-  if (!std::isfinite(result.rms) || !result.state.target_from_reference.Log().allFinite()) {
+  if (!std::isfinite(result.points.rms) || !result.state.target_from_reference.Log().allFinite()) {
     return AlignmentStatus::kDiverged;
   }
   return options.possible.AreMetBy(result.fit) ? AlignmentStatus::kGood : AlignmentStatus::kBadFit;
@@ -90,12 +106,13 @@ AlignmentStatus Judge(const FrameAlignmentResult& result, const AlignmentOptions
 
 bool AlignmentOptions::IsValid(std::string* error) const {
   if (level.max_iterations >= 1 && level.huber > 0 && level.outlier > level.huber &&
-      level.depth_huber > 0 && free_depth_levels >= 0) {
+      level.depth_huber > 0 && level.max_log_gain > 0 && level.max_offset > 0 &&
+      free_depth_levels >= 0) {
     return possible.IsValid(error);
   }
   *error =
       "alignment needs an iteration or more, positive Huber thresholds, the photometric one below "
-      "the outlier threshold, and 0 levels or more with free depths";
+      "the outlier threshold, positive limits of brightness, and 0 levels or more with free depths";
   return false;
 }
 
@@ -109,45 +126,49 @@ std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
   const int level = num_levels - 1;
   const LevelAlignment problem(reference, target[level], level, noise, options.level);
   const double num_samples = static_cast<double>(reference.levels[level].size());
-  using Fit = std::pair<double, AlignmentState>;  // with its cost
+  struct Fit {
+    AlignmentState state;
+    double expected_a;
+    double cost;
+  };
   const auto align_all = [&](int max_iterations, std::vector<Fit>* fits) {
     AlignmentOptions few = options;
     few.free_depth_levels = 0;
     few.level.max_iterations = std::min(max_iterations, options.level.max_iterations);
-    for (auto& [cost, state] : *fits) {
+    for (auto& [state, expected_a, cost] : *fits) {
       std::vector<double> rho = InverseDepths(reference);
       AlignOnLevel(reference, target, level, noise, few, &state, &rho);
       const LevelCost reached = problem.Evaluate(state);
       const bool possible =
           reached.visible >= options.possible.min_visible_fraction * num_samples &&
-          std::abs(state.a) <= options.possible.max_log_gain;
+          std::abs(state.a - expected_a) <= options.possible.max_log_gain;
       cost = possible ? reached.PerSample() : INFINITY;
     }
     std::stable_sort(fits->begin(), fits->end(), [](const Fit& left, const Fit& right) {
-      return left.first < right.first;
+      return left.cost < right.cost;
     });
   };
   // A few iterations tell which starts are worth more.
   constexpr int kFirstIterations = 5;
   constexpr size_t kMaxFits = 12;
   std::vector<Fit> fits;
-  for (const AlignmentState& start : starts) fits.emplace_back(0, start);
+  for (const AlignmentState& start : starts) fits.push_back({start, start.a, 0});
   align_all(kFirstIterations, &fits);
   if (fits.size() > kMaxFits) fits.resize(kMaxFits);
   align_all(options.level.max_iterations, &fits);
   std::vector<AlignmentState> minima;
-  for (const auto& [cost, fit] : fits) {
-    if (std::isinf(cost)) break;
-    const auto is_fit = [&, &fit = fit](const AlignmentState& minimum) {
-      return AreOneMinimum(reference, minimum.target_from_reference, fit.target_from_reference);
+  for (const Fit& fit : fits) {
+    if (std::isinf(fit.cost)) break;
+    const auto is_fit = [&](const AlignmentState& minimum) {
+      return AreOneMinimum(
+          reference, minimum.target_from_reference, fit.state.target_from_reference);
     };
-    if (std::none_of(minima.begin(), minima.end(), is_fit)) minima.push_back(fit);
+    if (std::none_of(minima.begin(), minima.end(), is_fit)) minima.push_back(fit.state);
   }
   return minima;
 }
 
-bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE3& right) {
-  constexpr double kSamePx = 1;
+double FlowBetween(const TrackingReference& reference, const SE3& left, const SE3& right) {
   const PlenopticProjection& camera = reference.cameras.back();
   const RigidMotion motion_left(left), motion_right(right);
   double sum = 0;
@@ -161,14 +182,20 @@ bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE
       ++count;
     }
   }
-  return sum <= kSamePx * kSamePx * count;
+  return count > 0 ? std::ldexp(std::sqrt(sum / count), reference.NumLevels() - 1) : 0;
+}
+
+bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE3& right) {
+  return FlowBetween(reference, left, right) <= std::ldexp(1.0, reference.NumLevels() - 1);
 }
 
 FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const ImagePyramid& target,
                                 const AlignmentState& initial,
                                 const NoiseModel& noise,
-                                const AlignmentOptions& options) {
+                                const AlignmentOptions& options,
+                                int coarsest_level) {
+  constexpr double kManyOutliers = 0.15;
   FrameAlignmentResult result;
   result.state = initial;
   const int num_levels = NumLevels(reference, target);
@@ -177,20 +204,28 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
     return result;
   }
   std::vector<double> rho = InverseDepths(reference);
-  for (int level = num_levels - 1; level >= 0; --level) {
+  for (int level = std::min(num_levels - 1, coarsest_level); level >= 0; --level) {
     result.iterations +=
         AlignOnLevel(reference, target, level, noise, options, &result.state, &rho);
-    if (level > 0) continue;
-    const LevelCost cost =
-        LevelAlignment(reference, target[0], 0, noise, options.level).Evaluate(result.state, rho);
-    result.inliers = cost.inliers;
-    result.rms = cost.inliers > 0 ? std::sqrt(cost.squared_error / cost.inliers) : INFINITY;
-    result.fit.rms = result.rms / noise.FitSigma();
-    result.fit.visible_fraction = static_cast<double>(cost.visible) / reference.levels[0].size();
-    result.fit.outlier_fraction =
-        cost.visible > 0 ? 1 - static_cast<double>(cost.inliers) / cost.visible : 1;
-    result.fit.log_gain = std::abs(result.state.a);
   }
+  result.points = JudgePoints(reference, target[0], result.state, rho, noise);
+  if (result.points.OutlierFraction() > kManyOutliers) {
+    // What is hidden still pulls at the brightness, below the threshold of outliers.
+    TrackingReference seen = reference;
+    for (size_t i = 0; i < seen.points.size(); ++i) {
+      if (result.points.fits[i] == PointFit::kOutlier) seen.points[i].is_excluded = true;
+    }
+    result.iterations += AlignOnLevel(seen, target, 0, noise, options, &result.state, &rho);
+    result.points = JudgePoints(reference, target[0], result.state, rho, noise);
+  }
+  result.cost = LevelAlignment(reference, target[0], 0, noise, options.level)
+                    .Evaluate(result.state, rho)
+                    .PerSample();
+  result.fit.rms = result.points.rms / noise.FitSigma();
+  result.fit.visible_fraction =
+      static_cast<double>(result.points.seen) / static_cast<double>(reference.points.size());
+  result.fit.outlier_fraction = result.points.OutlierFraction();
+  result.fit.log_gain = std::abs(result.state.a - initial.a);
   result.status = Judge(result, options);
   if (result.status == AlignmentStatus::kGood) MeasureFlow(reference, &result);
   return result;

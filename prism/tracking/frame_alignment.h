@@ -8,6 +8,7 @@
 #include "prism/image/pyramid.h"
 #include "prism/scene/fit_quality.h"
 #include "prism/tracking/level_alignment.h"
+#include "prism/tracking/point_fit.h"
 
 namespace prism {
 
@@ -16,7 +17,7 @@ struct AlignmentOptions {
   // Depths are unknowns with a prior on this many of the finest levels, and held on the others,
   // where freedom would only widen the basins of false minima. 0: held throughout (ablation).
   int free_depth_levels = 2;
-  FitLimits possible;  // a worse fit is no match
+  FitLimits possible = {4, 0.75, 0.3, 0.7, 0};  // a worse fit is no match
 
   bool IsValid(std::string* error) const;
 };
@@ -31,9 +32,9 @@ enum class AlignmentStatus {
 struct FrameAlignmentResult {
   AlignmentStatus status = AlignmentStatus::kDiverged;
   AlignmentState state;
-  FitQuality fit;   // of the samples on level 0
-  double rms = 0;   // of the inliers on level 0, intensities
-  int inliers = 0;  // samples on level 0
+  FitQuality fit;    // of the points on level 0
+  PointFits points;  // there
+  double cost = 0;   // LevelCost::PerSample there, intensities^2
   // Mean squared optical flow of the reference points in px of level 0, by the whole motion and by
   // its translation alone (as in DSO's keyframe decision).
   double squared_flow = 0;
@@ -41,12 +42,14 @@ struct FrameAlignmentResult {
   int iterations = 0;
 };
 
-// Aligns a frame to the reference, coarse to fine (LevelAlignment).
+// Aligns a frame to the reference, coarse to fine (LevelAlignment), from `coarsest_level` or, if
+// there are fewer, the coarsest there is.
 FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const ImagePyramid& target,
                                 const AlignmentState& initial,
                                 const NoiseModel& noise,
-                                const AlignmentOptions& options);
+                                const AlignmentOptions& options,
+                                int coarsest_level = 100);
 
 // Aligns on the coarsest level alone, which is cheap, from each start. The distinct minima, best
 // fit first; those with too little in view or beyond the limit of brightness are left out.
@@ -56,8 +59,11 @@ std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
                                        const NoiseModel& noise,
                                        const AlignmentOptions& options);
 
-// Whether the points of the reference are a pixel of the coarsest level apart, or less, between two
-// poses.
+// RMS distance between the projections of the reference's points into a frame at two poses
+// target_from_reference, in px of level 0.
+double FlowBetween(const TrackingReference& reference, const SE3& left, const SE3& right);
+
+// Whether that is at most a pixel of the coarsest level.
 bool AreOneMinimum(const TrackingReference& reference, const SE3& left, const SE3& right);
 
 }  // namespace prism

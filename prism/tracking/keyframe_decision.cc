@@ -27,8 +27,9 @@ bool NeedsKeyframe(const FrameAlignmentResult& alignment,
       std::sqrt(alignment.squared_flow) / (options.max_flow * size) +
       RotationAngle(alignment.state.target_from_reference) / options.max_rotation +
       std::abs(alignment.state.a) / options.max_log_gain;
-  return sum > 1 || alignment.fit.visible_fraction < options.min_visible_fraction ||
-         (first_rms > 0 && alignment.rms > options.max_rms_ratio * first_rms);
+  const double seen = alignment.fit.visible_fraction * (1 - alignment.fit.outlier_fraction);
+  return sum > 1 || seen < options.min_visible_fraction ||
+         (first_rms > 0 && alignment.points.rms > options.max_rms_ratio * first_rms);
 }
 
 }  // namespace prism

@@ -14,7 +14,7 @@ struct KeyframeOptions {
   double max_flow = 0.07;              // RMS flow of the whole motion, fraction of width + height
   double max_rotation = 0.3;           // rad
   double max_log_gain = 0.3;           // |relative a|
-  double min_visible_fraction = 0.6;   // of the reference samples
+  double min_visible_fraction = 0.6;   // of the reference's points, that fit
   double max_rms_ratio = 2;            // RMS over that of the first frame after the keyframe
 
   bool IsValid(std::string* error) const;

@@ -66,14 +66,14 @@ LevelCost LevelAlignment::Evaluate(const AlignmentState& state,
   const ScaledProjection projection(camera_);
   PixelResidual residual;
   for (const TrackingReference::Sample& sample : samples_) {
-    if (!EvaluatePixel(sample.pixel,
-                       rho[sample.point],
-                       relative,
-                       projection,
-                       camera_.f,
-                       image_,
-                       equations != nullptr,
-                       &residual)) {
+    if (reference_.points[sample.point].is_excluded || !EvaluatePixel(sample.pixel,
+                                                                      rho[sample.point],
+                                                                      relative,
+                                                                      projection,
+                                                                      camera_.f,
+                                                                      image_,
+                                                                      equations != nullptr,
+                                                                      &residual)) {
       continue;
     }
     ++cost.visible;
@@ -107,7 +107,7 @@ LevelCost LevelAlignment::Evaluate(const AlignmentState& state,
   // The priors of the depths, in the unit of the residuals.
   for (size_t i = 0; i < rho.size(); ++i) {
     const ReferencePoint& point = reference_.points[i];
-    if (!(point.rho_sigma > 0)) continue;
+    if (!(point.rho_sigma > 0) || point.is_excluded) continue;
     const double root = sigma_ / point.rho_sigma;
     const double r = root * (rho[i] - point.rho);
     const double huber = options_.depth_huber * sigma_;
@@ -133,7 +133,10 @@ bool LevelAlignment::Solve(const NormalEquations& equations,
   Vector8d g = equations.g;
   S.diagonal() *= 1 + lambda;
   S.diagonal().array() += 1e-9;
-  const auto is_free = [&](size_t i) { return free_depths && reference_.points[i].rho_sigma > 0; };
+  const auto is_free = [&](size_t i) {
+    const ReferencePoint& point = reference_.points[i];
+    return free_depths && point.rho_sigma > 0 && !point.is_excluded;
+  };
   for (size_t i = 0; i < equations.points.size(); ++i) {
     const NormalEquations::PointPart& point = equations.points[i];
     if (!is_free(i)) continue;
@@ -158,6 +161,7 @@ bool LevelAlignment::Solve(const NormalEquations& equations,
 }
 
 int LevelAlignment::Align(bool free_depths, AlignmentState* state, std::vector<double>* rho) const {
+  const AlignmentState expected = *state;
   NormalEquations equations;
   LevelCost cost = Evaluate(*state, *rho, &equations);
   double lambda = 0.01;
@@ -167,8 +171,12 @@ int LevelAlignment::Align(bool free_depths, AlignmentState* state, std::vector<d
   for (; iteration < options_.max_iterations && cost.visible > 0; ++iteration) {
     if (!Solve(equations, lambda, free_depths, &step, &rho_step)) break;
     const AlignmentState candidate = {SE3::Exp(step.head<6>()) * state->target_from_reference,
-                                      state->a + step[6],
-                                      state->b + step[7]};
+                                      std::clamp(state->a + step[6],
+                                                 expected.a - options_.max_log_gain,
+                                                 expected.a + options_.max_log_gain),
+                                      std::clamp(state->b + step[7],
+                                                 expected.b - options_.max_offset,
+                                                 expected.b + options_.max_offset)};
     rho_candidate = *rho;
     for (size_t i = 0; i < rho_candidate.size(); ++i) {
       if (rho_step[i] != 0) rho_candidate[i] = std::max(rho_candidate[i] + rho_step[i], 1e-4);

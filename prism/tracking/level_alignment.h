@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "prism/scene/noise_model.h"
+#include "prism/tracking/alignment_state.h"
 #include "prism/tracking/tracking_reference.h"
 
 namespace prism {
-
-struct AlignmentState {
-  SE3 target_from_reference;
-  double a = 0;  // relative brightness: I_target = e^a I_reference + b
-  double b = 0;
-};
 
 struct LevelAlignmentOptions {
   int max_iterations = 30;
@@ -23,12 +18,17 @@ struct LevelAlignmentOptions {
   double outlier = 4.5;
   // The same of an inverse depth, in its standard deviations: beyond it the prior pulls no harder.
   double depth_huber = 2;
+  // Brightness changes by no more than this on a level: else a uniform thing that hides half of the
+  // view is explained by a gain of nearly 0. Larger changes are for whoever starts the alignment.
+  double max_log_gain = 0.25;
+  double max_offset = 25;         // 0 to 255
   bool robust = true;             // false: no Huber norm (ablation)
   bool affine_brightness = true;  // false: brightness is held (ablation)
 };
 
-// Cost over all samples of a level at one state. Samples outside the image cost nothing and
-// outliers the same wherever they are, so costs are compared per visible sample.
+// Cost over the samples of a level at one state, those of excluded points left out. Samples outside
+// the image cost nothing and outliers the same wherever they are, so costs are compared per visible
+// sample.
 struct LevelCost {
   double energy = 0;         // sum of weighted robust squares, intensities^2
   double squared_error = 0;  // sum of squared residuals of inliers, intensities^2

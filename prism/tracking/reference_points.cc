@@ -14,7 +14,7 @@ std::vector<ReferencePoint> MakeReferencePoints(const Window& window, const Keyf
     const RigidMotion reference_from_host(reference.state.pose() * host->state.pose().Inverse());
     for (const auto& point : host->points) {
       if (host->id == reference.id) {
-        points.push_back({point->patch.px, point->rho, point->rho_sigma});
+        points.push_back({point->patch.px, point->rho, point->rho_sigma, point->id});
         continue;
       }
       Eigen::Vector3d x_V;
@@ -29,7 +29,8 @@ std::vector<ReferencePoint> MakeReferencePoints(const Window& window, const Keyf
         const double X_z = X_z_at(point->rho);
         const double dX_z = X_z_at(1) - X_z_at(0);
         const double rho = point->rho / X_z;
-        points.push_back({x_V.head<2>(), rho, std::abs((1 - rho * dX_z) / X_z) * point->rho_sigma});
+        points.push_back(
+            {x_V.head<2>(), rho, std::abs((1 - rho * dX_z) / X_z) * point->rho_sigma, point->id});
       }
     }
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "prism/base/statistics.h"
+
 namespace prism {
 namespace {
 
@@ -16,14 +18,40 @@ double RmsGradient(const ImageViewF& image) {
   return std::sqrt(sum / static_cast<double>(squared.size()));
 }
 
+// Quantiles of an image's intensities, evenly spaced.
+std::vector<double> Intensities(const ImagePyramid& image) {
+  constexpr int kCount = 20;
+  const ImageF& coarse = image[std::min<size_t>(3, image.size() - 1)];
+  std::vector<double> values(coarse.data(), coarse.data() + coarse.size());
+  std::sort(values.begin(), values.end());
+  std::vector<double> quantiles;
+  for (int i = 1; i < kCount; ++i) quantiles.push_back(values[values.size() * i / kCount]);
+  return quantiles;
+}
+
+// By what the exposure has changed between two frames of much the same view; 1 if nothing tells.
+double ExposureRatio(const std::vector<double>& before, const std::vector<double>& now) {
+  constexpr double kDark = 5, kWhite = 250;
+  std::vector<double> ratios;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (std::min(before[i], now[i]) > kDark && std::max(before[i], now[i]) < kWhite) {
+      ratios.push_back(now[i] / before[i]);
+    }
+  }
+  return ratios.empty() ? 1 : Quantile(ratios, 0.5);
+}
+
 }  // namespace
 
 bool TrackerOptions::IsValid(std::string* error) const {
   if (!alignment.IsValid(error) || !fit.IsValid(error)) return false;
-  if (min_rms_gradient >= 0 && retry_steps >= 0 && retry_step > 0 && max_retries >= 1) return true;
+  if (min_rms_gradient >= 0 && retry_steps >= 0 && retry_step > 0 && max_retries >= 1 &&
+      exclude_after >= 1) {
+    return true;
+  }
   *error =
-      "tracking needs a gradient and retry steps of 0 or more, a positive retry step and a retry "
-      "or more";
+      "tracking needs a gradient and retry steps of 0 or more, a positive retry step, and a retry "
+      "and a misfit or more";
   return false;
 }
 
@@ -39,11 +67,14 @@ void Tracker::SetReference(TrackingReference reference, const SE3& new_from_old_
     frame.state.b -= std::exp(frame.state.a) * newest.b;
   }
   reference_ = std::move(reference);
+  misfits_.assign(reference_.points.size(), 0);
 }
 
-void Tracker::Start(TrackingReference reference, int64_t time_ns) {
+void Tracker::Start(TrackingReference reference, const ImagePyramid& image, int64_t time_ns) {
   reference_ = std::move(reference);
+  misfits_.assign(reference_.points.size(), 0);
   history_ = {{time_ns, AlignmentState()}};
+  last_intensities_ = Intensities(image);
 }
 
 SE3 Tracker::Motion(int64_t time_ns, double fraction) const {
@@ -64,24 +95,40 @@ AlignmentState Tracker::Prediction(int64_t time_ns) const {
   return state;
 }
 
-std::vector<AlignmentState> Tracker::OtherStarts(int64_t time_ns) const {
+AlignmentState Tracker::WithBrightness(const ImagePyramid& target,
+                                       const NoiseModel& noise,
+                                       const AlignmentState& prediction) const {
+  if (reference_.empty()) return prediction;
+  const double ratio = ExposureRatio(last_intensities_, Intensities(target));
+  AlignmentState changed = prediction;
+  changed.a += std::log(ratio);
+  changed.b *= ratio;
+  const int level = static_cast<int>(std::min(target.size(), reference_.levels.size())) - 1;
+  const LevelAlignment problem(reference_, target[level], level, noise, options_.alignment.level);
+  return problem.Evaluate(changed).PerSample() < problem.Evaluate(prediction).PerSample()
+             ? changed
+             : prediction;
+}
+
+std::vector<AlignmentState> Tracker::OtherStarts(int64_t time_ns,
+                                                 const AlignmentState& prediction) const {
   std::vector<AlignmentState> starts;
-  const AlignmentState& last = history_.back().state;
-  const AlignmentState prediction = Prediction(time_ns);
-  const auto add = [&](const SE3& motion, const AlignmentState& from) {
-    starts.push_back(from);
-    starts.back().target_from_reference = motion * from.target_from_reference;
+  const SE3& last = history_.back().state.target_from_reference;
+  const auto start_at = [&](const SE3& target_from_reference) {
+    starts.push_back(prediction);  // with its brightness
+    starts.back().target_from_reference = target_from_reference;
   };
-  add(SE3(), prediction);
+  start_at(prediction.target_from_reference);
   if (KnowsMotion()) {
-    for (const double fraction : {0.5, 0.0, 2.0}) add(Motion(time_ns, fraction), last);
+    for (const double fraction : {0.5, 0.0, 2.0}) start_at(Motion(time_ns, fraction) * last);
   }
-  starts.emplace_back();  // back at the keyframe
+  start_at(SE3());  // back at the keyframe
   if (reference_.cameras.empty()) return starts;
 
   const PlenopticProjection& coarsest = reference_.cameras.back();
   const auto turn = [&](double x, double y, double z) {
-    add(SE3::Exp((Vector6d() << 0, 0, 0, x, y, z).finished()), prediction);
+    start_at(SE3::Exp((Vector6d() << 0, 0, 0, x, y, z).finished()) *
+             prediction.target_from_reference);
   };
   const double step = options_.retry_step / coarsest.FocalLengthPx();
   for (int y = -options_.retry_steps; y <= options_.retry_steps; ++y) {
@@ -97,49 +144,93 @@ std::vector<AlignmentState> Tracker::OtherStarts(int64_t time_ns) const {
 
 TrackingResult Tracker::Track(const ImagePyramid& target,
                               int64_t time_ns,
-                              const NoiseModel& noise) {
-  TrackingResult result = TryStarts(target, time_ns, noise);
+                              const NoiseModel& noise,
+                              const DepthCheck& check_depth) {
+  TrackingResult result = TryStarts(target, time_ns, noise, check_depth);
   if (result.status != TrackingStatus::kGood) return result;
+  ExcludePoints(result.alignment.points.fits);
+  last_intensities_ = Intensities(target);
   history_.push_back({time_ns, result.alignment.state});
   if (history_.size() > 2) history_.erase(history_.begin());
   return result;
 }
 
+void Tracker::ExcludePoints(const std::vector<PointFit>& fits) {
+  for (size_t i = 0; i < fits.size(); ++i) {
+    if (fits[i] == PointFit::kUnseen) continue;
+    misfits_[i] = fits[i] == PointFit::kOutlier ? misfits_[i] + 1 : 0;
+    reference_.points[i].is_excluded = misfits_[i] >= options_.exclude_after;
+  }
+}
+
 TrackingResult Tracker::TryStarts(const ImagePyramid& target,
                                   int64_t time_ns,
-                                  const NoiseModel& noise) const {
+                                  const NoiseModel& noise,
+                                  const DepthCheck& check_depth) const {
   TrackingResult result;
   const ImageF& texture_level = target[std::min<size_t>(1, target.size() - 1)];
   if (RmsGradient(texture_level) < options_.min_rms_gradient) {
     result.status = TrackingStatus::kNoTexture;
     return result;
   }
-  const auto align = [&](const AlignmentState& start) {
-    return AlignFrame(reference_, target, start, noise, options_.alignment);
+  const auto align = [&](const AlignmentState& start, int coarsest_level = 100) {
+    return AlignFrame(reference_, target, start, noise, options_.alignment, coarsest_level);
   };
   const auto is_good = [&](const FrameAlignmentResult& alignment) {
     return alignment.status == AlignmentStatus::kGood && options_.fit.good.AreMetBy(alignment.fit);
   };
-  result.alignment = align(Prediction(time_ns));
+  const AlignmentState prediction = WithBrightness(target, noise, Prediction(time_ns));
+  result.alignment = align(prediction);
   result.attempts = 1;
+  bool best_is_predicted = true;
+  constexpr double kFar = 5;  // px of level 0
+  const auto is_far = [&](const FrameAlignmentResult& alignment) {
+    return KnowsMotion() && FlowBetween(reference_,
+                                        prediction.target_from_reference,
+                                        alignment.state.target_from_reference) > kFar;
+  };
+  if (!is_good(result.alignment) || is_far(result.alignment)) {
+    // On the coarsest levels, what hides a part of the view drags the rest along. Where motion is
+    // steady the prediction is near enough for the finer ones.
+    constexpr int kNear = 2;
+    const FrameAlignmentResult near = align(prediction, kNear);
+    ++result.attempts;
+    if (near.status == AlignmentStatus::kGood &&
+        (result.alignment.status != AlignmentStatus::kGood || near.cost < result.alignment.cost)) {
+      result.alignment = near;
+    }
+  }
   if (!is_good(result.alignment)) {
     const SE3 first = result.alignment.state.target_from_reference;
-    for (const AlignmentState& start :
-         RankStarts(reference_, target, OtherStarts(time_ns), noise, options_.alignment)) {
+    int retries = 0;
+    for (const AlignmentState& start : RankStarts(
+             reference_, target, OtherStarts(time_ns, prediction), noise, options_.alignment)) {
       if (AreOneMinimum(reference_, start.target_from_reference, first)) continue;
       const FrameAlignmentResult alignment = align(start);
       ++result.attempts;
       const bool possible = alignment.status == AlignmentStatus::kGood;
       const bool best_is_possible = result.alignment.status == AlignmentStatus::kGood;
-      if (possible && (!best_is_possible || alignment.fit.rms < result.alignment.fit.rms)) {
+      // Where motion predicts a frame, it is rather half hidden than somewhere else.
+      const double bias = best_is_predicted ? options_.max_cost_ratio : 1;
+      if (possible && (!best_is_possible || alignment.cost < bias * result.alignment.cost)) {
         result.alignment = alignment;
+        best_is_predicted = false;
       }
-      if (is_good(result.alignment) || result.attempts > options_.max_retries) break;
+      if (is_good(result.alignment) || ++retries == options_.max_retries) break;
     }
   }
+  if (check_depth && result.alignment.status == AlignmentStatus::kGood) {
+    result.alignment.fit.depth_agreement = check_depth(reference_, result.alignment);
+  }
   const FitLimits& limits = noise.KnowsFit() ? options_.fit.match : options_.fit.start;
-  if (result.alignment.status == AlignmentStatus::kGood && limits.AreMetBy(result.alignment.fit)) {
-    result.status = TrackingStatus::kGood;
+  if (result.alignment.status == AlignmentStatus::kGood) {
+    FitQuality images_alone = result.alignment.fit;
+    images_alone.depth_agreement = 1;
+    if (limits.AreMetBy(result.alignment.fit)) {
+      result.status = TrackingStatus::kGood;
+    } else if (limits.AreMetBy(images_alone)) {
+      result.status = TrackingStatus::kDepthsDisagree;
+    }
   }
   return result;
 }

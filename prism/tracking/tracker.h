@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,15 @@ struct TrackerOptions {
   // border by one.
   int retry_steps = 2;
   double retry_step = 2.5;
+  int exclude_after = 2;  // frames in a row in which a point of the reference does not fit
+  // A fit from another start than the predicted one has to cost less than this times that one.
+  double max_cost_ratio = 0.6;
   int max_retries = 3;  // of the minima found there, best first, that are followed to the finest
 
   bool IsValid(std::string* error) const;
 };
 
-enum class TrackingStatus { kGood, kNoTexture, kLost };
+enum class TrackingStatus { kGood, kNoTexture, kLost, kDepthsDisagree };
 
 struct TrackingResult {
   TrackingStatus status = TrackingStatus::kLost;
@@ -44,11 +48,20 @@ class Tracker {
   // model over.
   void SetReference(TrackingReference reference, const SE3& new_from_old_reference);
 
-  // For a new start: motion is forgotten, and the reference was taken at `time_ns`.
-  void Start(TrackingReference reference, int64_t time_ns);
+  // For a new start: motion is forgotten, and the last frame is the reference itself, `image` taken
+  // at `time_ns`.
+  void Start(TrackingReference reference, const ImagePyramid& image, int64_t time_ns);
+
+  // FitQuality::depth_agreement of an aligned frame.
+  using DepthCheck = std::function<double(const TrackingReference&, const FrameAlignmentResult&)>;
 
   // Times rise from frame to frame; frames may be missing in between.
-  TrackingResult Track(const ImagePyramid& target, int64_t time_ns, const NoiseModel& noise);
+  TrackingResult Track(const ImagePyramid& target,
+                       int64_t time_ns,
+                       const NoiseModel& noise,
+                       const DepthCheck& check_depth = nullptr);
+
+  const TrackingReference& reference() const { return reference_; }
 
  private:
   // A tracked frame relative to the current reference.
@@ -62,14 +75,25 @@ class Tracker {
   // `time_ns`.
   SE3 Motion(int64_t time_ns, double fraction) const;
   AlignmentState Prediction(int64_t time_ns) const;
-  std::vector<AlignmentState> OtherStarts(int64_t time_ns) const;
+  // Its brightness that of the last frame, or changed as the images' intensities have (exposure),
+  // whichever fits the image better.
+  AlignmentState WithBrightness(const ImagePyramid& target,
+                                const NoiseModel& noise,
+                                const AlignmentState& prediction) const;
+  std::vector<AlignmentState> OtherStarts(int64_t time_ns, const AlignmentState& prediction) const;
   TrackingResult TryStarts(const ImagePyramid& target,
                            int64_t time_ns,
-                           const NoiseModel& noise) const;
+                           const NoiseModel& noise,
+                           const DepthCheck& check_depth) const;
+  // Points that did not fit `exclude_after` frames in a row are left out until they fit again.
+  void ExcludePoints(const std::vector<PointFit>& fits);
 
   TrackerOptions options_;
   TrackingReference reference_;
+  std::vector<int> misfits_;  // of each point of the reference, frames in a row
   std::vector<TrackedFrame> history_ = {TrackedFrame()};  // the last two
+  std::vector<double>
+      last_intensities_;  // of the last tracked frame, see Intensities in tracker.cc
 };
 
 }  // namespace prism

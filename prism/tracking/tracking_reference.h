@@ -15,6 +15,9 @@ struct ReferencePoint {
   Eigen::Vector2d px = Eigen::Vector2d::Zero();  // focused px of level 0, in the reference keyframe
   double rho = 0;                                // 1/m, there
   double rho_sigma = 0;                          // its standard deviation; 0: known exactly
+  int point_id = -1;                             // Point::id
+  // Found to be hidden, or to move by itself: alignments do without it.
+  bool is_excluded = false;
 };
 
 // The reference keyframe as the tracker sees it; built once a keyframe by MakeTrackingReference.
@@ -26,6 +29,7 @@ struct TrackingReference {
   std::vector<ReferencePoint> points;
   std::vector<PlenopticProjection> cameras;  // one a level
   std::vector<std::vector<Sample>> levels;   // level 0 finest
+  int NumLevels() const { return static_cast<int>(levels.size()); }
   bool empty() const { return levels.empty() || levels[0].empty(); }
 };
 

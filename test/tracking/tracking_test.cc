@@ -144,7 +144,7 @@ TEST(AlignFrame, WithoutPointsThereIsNothingToAlignTo) {
 TEST(Tracker, FollowsAMotionAcrossAChangeOfReference) {
   const PlaneScene scene;
   Tracker tracker{TrackerOptions{}};
-  tracker.Start(scene.Reference(), 0);
+  tracker.Start(scene.Reference(), scene.reference_image(), 0);
   const Vector6d velocity = (Vector6d() << 0.03, 0.01, 0, 0, 0.02, 0).finished();
   for (int i = 1; i <= 3; ++i) {
     const SE3 truth = SE3::Exp(i * velocity);
@@ -158,7 +158,7 @@ TEST(Tracker, FollowsAMotionAcrossAChangeOfReference) {
 TEST(Tracker, PredictsOverTheTimeThatHasPassed) {
   const PlaneScene scene;
   Tracker tracker{TrackerOptions{}};
-  tracker.Start(scene.Reference(), 0);
+  tracker.Start(scene.Reference(), scene.reference_image(), 0);
   // 12 px a frame; three frames are missing. From a prediction for one frame the match would have
   // to be looked for.
   const Vector6d velocity = (Vector6d() << 0, 0, 0, 0, 0.045, 0).finished();
@@ -184,7 +184,7 @@ TEST(Tracker, FindsAQuickMotionFromNothing) {
                                  AxisMotion(0, 0.3),
                                  AxisMotion(1, -0.3)}) {
     Tracker tracker{TrackerOptions{}};
-    tracker.Start(scene.Reference(), 0);
+    tracker.Start(scene.Reference(), scene.reference_image(), 0);
     const SE3 truth = SE3::Exp(motion);
     const TrackingResult result = tracker.Track(scene.Render(truth), kFrame_ns, NoiseModel());
     ASSERT_EQ(result.status, TrackingStatus::kGood) << motion.transpose();
@@ -205,7 +205,7 @@ TEST(Tracker, AtTheStartAMatchOfPartOfTheImageIsNone) {
     for (int x = 180; x < 320; ++x) image(x, y) = uniform(generator);
   }
   Tracker tracker{TrackerOptions{}};
-  tracker.Start(scene.Reference(), 0);
+  tracker.Start(scene.Reference(), scene.reference_image(), 0);
   const TrackingResult result = tracker.Track(BuildPyramid(image, 6), kFrame_ns, NoiseModel());
   EXPECT_EQ(result.alignment.status, AlignmentStatus::kGood);
   EXPECT_EQ(result.status, TrackingStatus::kLost);
@@ -228,16 +228,93 @@ TEST(RankStarts, PutsTheTrueStartFirst) {
 TEST(Tracker, ABlackFrameHasNoTexture) {
   const PlaneScene scene;
   Tracker tracker{TrackerOptions{}};
-  tracker.Start(scene.Reference(), 0);
+  tracker.Start(scene.Reference(), scene.reference_image(), 0);
   EXPECT_EQ(tracker.Track(BuildPyramid(ImageF(320, 240, 0.0f), 6), kFrame_ns, NoiseModel()).status,
             TrackingStatus::kNoTexture);
   EXPECT_EQ(tracker.Track(scene.reference_image(), 2 * kFrame_ns, NoiseModel()).status,
             TrackingStatus::kGood);
 }
 
+// Gray over the left part of a frame.
+ImagePyramid Covered(const ImagePyramid& frame, int columns) {
+  ImageF image = frame[0];
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < columns; ++x) image(x, y) = 120;
+  }
+  return BuildPyramid(std::move(image), 6);
+}
+
+TEST(JudgePoints, FindsThoseBehindAUniformSheet) {
+  const PlaneScene scene;
+  const TrackingReference reference = scene.Reference();
+  std::vector<double> rho;
+  for (const ReferencePoint& point : scene.points()) rho.push_back(point.rho);
+  const ImagePyramid target = Covered(scene.reference_image(), 160);
+  const PointFits points = JudgePoints(reference, target[0], {}, rho, NoiseModel());
+  int wrong = 0;
+  for (size_t i = 0; i < points.fits.size(); ++i) {
+    const bool is_hidden = scene.points()[i].px.x() < 160;
+    wrong += points.fits[i] != (is_hidden ? PointFit::kOutlier : PointFit::kFits);
+  }
+  EXPECT_LT(wrong, static_cast<int>(points.fits.size()) / 50);
+  EXPECT_NEAR(points.OutlierFraction(), 0.5, 0.05);
+  EXPECT_LT(points.rms, 1);
+}
+
+TEST(Tracker, LeavesOutWhatIsHiddenAndTakesItUpAgain) {
+  const PlaneScene scene;
+  Tracker tracker{TrackerOptions{}};
+  tracker.Start(scene.Reference(), scene.reference_image(), 0);
+  NoiseModel noise;
+  for (int i = 0; i < 3; ++i) noise.Observe(noise.FitSigma());  // it is known what fits
+  const Vector6d velocity = (Vector6d() << 0.004, 0.002, 0, 0, 0.002, 0).finished();
+  const auto excluded = [&] {
+    int count = 0;
+    for (const ReferencePoint& point : tracker.reference().points) count += point.is_excluded;
+    return count;
+  };
+  for (int i = 1; i <= 6; ++i) {
+    const SE3 truth = SE3::Exp(i * velocity);
+    const bool is_covered = i >= 2 && i <= 4;
+    const ImagePyramid image = scene.Render(truth);
+    const TrackingResult result =
+        tracker.Track(is_covered ? Covered(image, 160) : image, i * kFrame_ns, noise);
+    ASSERT_EQ(result.status, TrackingStatus::kGood) << "frame " << i;
+    EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3)
+        << "frame " << i;
+    if (i == 4) {
+      EXPECT_GT(excluded(), static_cast<int>(scene.points().size()) / 3);
+    }
+  }
+  EXPECT_EQ(excluded(), 0);
+}
+
+TEST(Tracker, TakesAChangeOfExposureFromTheImages) {
+  const PlaneScene scene;
+  for (const float gain : {0.3f, 0.5f, 1.8f}) {
+    Tracker tracker{TrackerOptions{}};
+    tracker.Start(scene.Reference(), scene.reference_image(), 0);
+    ImageF image = scene.Render(SE3::Exp(AxisMotion(0, 0.02)))[0];
+    for (size_t i = 0; i < image.size(); ++i) {
+      image.data()[i] = std::min(gain * image.data()[i], 255.0f);
+    }
+    const TrackingResult result =
+        tracker.Track(BuildPyramid(std::move(image), 6), kFrame_ns, NoiseModel());
+    ASSERT_EQ(result.status, TrackingStatus::kGood) << gain;
+    EXPECT_NEAR(result.alignment.state.a, std::log(gain), 0.02);
+    EXPECT_LT(
+        (result.alignment.state.target_from_reference * SE3::Exp(AxisMotion(0, 0.02)).Inverse())
+            .Log()
+            .norm(),
+        2e-3);
+  }
+}
+
 TEST(NeedsKeyframe, WhenTheImageHasMovedFarEnough) {
   FrameAlignmentResult alignment;
   alignment.fit.visible_fraction = 1;
+  alignment.fit.outlier_fraction = 0;
+  alignment.points.rms = 5;
   EXPECT_FALSE(NeedsKeyframe(alignment, 5, 640, 480, {}));
   alignment.squared_translation_flow = alignment.squared_flow = 60 * 60;
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
@@ -246,7 +323,8 @@ TEST(NeedsKeyframe, WhenTheImageHasMovedFarEnough) {
 TEST(NeedsKeyframe, WhenBrightnessRotationVisibilityOrFitHaveChanged) {
   FrameAlignmentResult same;
   same.fit.visible_fraction = 1;
-  same.rms = 5;
+  same.fit.outlier_fraction = 0;
+  same.points.rms = 5;
   FrameAlignmentResult alignment = same;
   alignment.state.a = 0.5;
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
@@ -257,7 +335,7 @@ TEST(NeedsKeyframe, WhenBrightnessRotationVisibilityOrFitHaveChanged) {
   alignment.fit.visible_fraction = 0.4;
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
   alignment = same;
-  alignment.rms = 12;
+  alignment.points.rms = 12;
   EXPECT_TRUE(NeedsKeyframe(alignment, 5, 640, 480, {}));
 }
 
