@@ -90,8 +90,8 @@ ExitStatus Run() {
     }
   }
   WriteTextAtomically((out / "associations.txt").string(), associations);
-  std::cout << "wrote " << written << " of " << sequence.size() << " frames to "
-            << FLAGS_output_dir << "\n";
+  std::cout << "wrote " << written << " of " << sequence.size() << " frames to " << FLAGS_output_dir
+            << "\n";
   return kExitDone;
 }
 

@@ -82,10 +82,15 @@ void WriteRun(const std::string& folder,
       static_cast<double>(record.frames.size()) / record.wall_seconds,
       PeakResidentMib(),
       folder.c_str());
-  int poor = 0, not_solved = 0;
+  int poor = 0, not_solved = 0, disagreeing = 0;
   for (const FrameResult& frame : record.frames) {
+    disagreeing += frame.status == FrameStatus::kDepthsDisagree;
     poor += frame.keyframe.status == KeyframeStatus::kPoorFit;
     not_solved += frame.keyframe.status == KeyframeStatus::kNotSolved;
+  }
+  if (disagreeing > 0) {
+    std::printf("%d frames match the images, but not the depths they measure: not taken\n",
+                disagreeing);
   }
   if (poor + not_solved > 0) {
     std::printf("of the keyframes' windows %d fit poorly, %d could not be solved (run.json)\n",

@@ -30,14 +30,25 @@ nlohmann::ordered_json KeyframeToJson(const KeyframeResult& keyframe) {
   return json;
 }
 
-nlohmann::ordered_json FrameToJson(const FrameResult& frame) {
+// world_from_cam in the order of TUM files.
+nlohmann::ordered_json PoseToJson(const SE3& world_from_cam) {
+  const Eigen::Vector3d t = world_from_cam.translation();
+  const Eigen::Quaterniond q = world_from_cam.rotation();
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+// `pose`: as it is known at the end; null: it is not.
+nlohmann::ordered_json FrameToJson(const FrameResult& frame, const StampedPose* pose) {
   nlohmann::ordered_json json;
   json["time"] = 1e-9 * static_cast<double>(frame.time_ns);
   json["status"] = ToString(frame.status);
   json["segment"] = frame.segment;
   json["keyframe"] = frame.is_keyframe;
   if (frame.status != FrameStatus::kTracked) return json;
+  json["pose_online"] = PoseToJson(frame.state.pose().Inverse());
+  if (pose != nullptr) json["pose"] = PoseToJson(pose->world_from_cam);
   json["residual_rms"] = frame.rms;
+  json["depth_agreement"] = frame.fit.depth_agreement;
   json["points_used"] = frame.points_used;
   json["active_points"] = frame.active_points;
   json["brightness_a"] = frame.state.a();
@@ -136,6 +147,7 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["peak_resident_mib"] = PeakResidentMib();
   json["variance_factors"] = MedianVarianceFactors(record.frames);  // by term
   json["intensity_sigma"] = record.intensity_sigma;
+  json["depth_sigma_scale"] = record.depth_scale;
   json["segments"] = SegmentsToJson(record.frames);
   for (const auto& [stage, summary] : record.stages) {
     json["stages"][stage] = {{"count", summary.count},
@@ -144,7 +156,14 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
                              {"total_ms", summary.total_ms}};
   }
   json["frames"] = nlohmann::ordered_json::array();
-  for (const FrameResult& frame : record.frames) json["frames"].push_back(FrameToJson(frame));
+  size_t next_pose = 0;  // both lists are in the order of processing
+  for (const FrameResult& frame : record.frames) {
+    const bool has_pose = next_pose < record.trajectory.size() &&
+                          record.trajectory[next_pose].time_ns == frame.time_ns;
+    json["frames"].push_back(
+        FrameToJson(frame, has_pose ? &record.trajectory[next_pose] : nullptr));
+    next_pose += has_pose;
+  }
   return json;
 }
 

@@ -21,9 +21,11 @@ struct RunRecord {
   PlenopticCamera camera;
   std::string sequence_format;
   std::vector<FrameResult> frames;
+  Trajectory trajectory;  // of the tracked ones, as known at the end; times as in `frames`
   std::map<std::string, StageTimer::Summary> stages;
   double wall_seconds = 0;
-  double intensity_sigma = 0;  // photometric residuals were weighted by it
+  double intensity_sigma = 0;  // photometric residuals are weighted by it, at the end
+  double depth_scale = 1;      // and measured 1/v by this times their stated sigma
 };
 
 int CountTracked(const std::vector<FrameResult>& frames);
