@@ -8,7 +8,7 @@ house=${1:?folder with scene.yaml and trajectories/} out=${2:?folder to write to
 for path in kitchen sofa living door counter turn; do
   for types in one three; do
     camera=calib/raytrix_r5_16mm.yaml
-    if [ "$types" = one ]; then camera=sequences/raytrix_r5_16mm_one_type.yaml; fi
+    if [ "$types" = one ]; then camera=sequences/cameras/raytrix_r5_16mm_one_type.yaml; fi
     "$build"/bin/prism_simulate --scene="$house/scene.yaml" \
       --trajectory="$house/trajectories/$path.txt" --camera=$camera \
       --output_dir="$out/$path.$types" --truth_every=1000
