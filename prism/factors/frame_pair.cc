@@ -28,4 +28,11 @@ void FramePair::Update(const FrameState& host,
   target_b = target.b();
 }
 
+FramePair MakeFramePair(const NoiseModel& noise, const FrameState& host, const FrameState& target) {
+  FramePair pair;
+  pair.inverse_sigma = 1 / noise.ResidualSigma();
+  pair.Update(host, target);
+  return pair;
+}
+
 }  // namespace prism

@@ -6,6 +6,7 @@
 
 #include "prism/geometry/se3.h"
 #include "prism/scene/frame_state.h"
+#include "prism/scene/noise_model.h"
 
 namespace prism {
 
@@ -39,5 +40,8 @@ struct FramePair {
               const FrameState* host_first_estimate = nullptr,
               const FrameState* target_first_estimate = nullptr);
 };
+
+// The pair of two frames as they are, residuals weighted by the noise.
+FramePair MakeFramePair(const NoiseModel& noise, const FrameState& host, const FrameState& target);
 
 }  // namespace prism

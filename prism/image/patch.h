@@ -14,6 +14,7 @@ namespace prism {
 inline constexpr int kPatternSize = 8;
 inline constexpr std::array<std::array<int, 2>, kPatternSize> kPattern = {
     {{0, -2}, {-1, -1}, {1, -1}, {-2, 0}, {0, 0}, {2, 0}, {-1, 1}, {0, 2}}};
+inline constexpr int kPatternCenter = 4;  // index of {0, 0}
 inline constexpr int kPatternRadius = 2;  // px
 
 // True if a pixel is white where something brighter than white is expected: it says nothing of by

@@ -30,9 +30,8 @@ FrameState Compose(const AlignmentState& alignment, const FrameState& reference)
 // Of the points that do not fit a frame in which many do not: those are hidden. In other frames the
 // robust loss does better than a verdict that trusts the tracked pose.
 std::set<int> HiddenPoints(const TrackingReference& reference, const PointFits& points) {
-  constexpr double kMany = 0.15;
   std::set<int> ids;
-  if (points.OutlierFraction() < kMany) return ids;
+  if (!points.AreManyHidden()) return ids;
   for (size_t i = 0; i < points.fits.size(); ++i) {
     if (points.fits[i] == PointFit::kOutlier) ids.insert(reference.points[i].point_id);
   }
@@ -51,8 +50,7 @@ KeyframeStatus Judge(const KeyframeResult& result,
     const TermSummary& term = result.optimization.terms[i];
     if (term.factors == 0) continue;
     // Residuals of images are known to be larger than stated by the misfit.
-    const double expected =
-        term.name == PhotometricTerm::kName ? noise.FitSigma() / noise.ResidualSigma() : 1;
+    const double expected = term.name == PhotometricTerm::kName ? noise.WeightedFitSigma() : 1;
     fit.rms = std::max(fit.rms, std::sqrt(term.variance_factor) / expected);
     fit.outlier_fraction =
         std::max(fit.outlier_fraction,

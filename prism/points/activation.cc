@@ -8,16 +8,6 @@
 #include "prism/factors/visibility.h"
 
 namespace prism {
-
-bool ActivationOptions::IsValid(std::string* error) const {
-  if (!selection.IsValid(error) || !candidates.IsValid(error) || !refinement.IsValid(error)) {
-    return false;
-  }
-  if (max_new_points >= 1 && min_point_distance >= 1) return true;
-  *error = "activation needs a point or more and a distance of 1 px or more";
-  return false;
-}
-
 namespace {
 
 // False if most of the depths measured around a pixel contradict its own. At the edge of a thing
@@ -54,6 +44,15 @@ int NumObserved(const Window& window, const Keyframe& target) {
 }
 
 }  // namespace
+
+bool ActivationOptions::IsValid(std::string* error) const {
+  if (!selection.IsValid(error) || !candidates.IsValid(error) || !refinement.IsValid(error)) {
+    return false;
+  }
+  if (max_new_points >= 1 && min_point_distance >= 1) return true;
+  *error = "activation needs a point or more and a distance of 1 px or more";
+  return false;
+}
 
 void ActivatePoints(const ActivationOptions& options,
                     const TermList& terms,

@@ -93,9 +93,7 @@ void UpdateCandidates(const CandidateOptions& options,
                       const FrameState& state,
                       Window* window) {
   for (const auto& host : window->keyframes) {
-    FramePair pair;
-    pair.inverse_sigma = 1 / window->noise.ResidualSigma();
-    pair.Update(host->state, state);
+    const FramePair pair = MakeFramePair(window->noise, host->state, state);
     RetainIf(&host->candidates, [&](Candidate& candidate) {
       return UpdateCandidate(options, window->camera, pair, image, &candidate);
     });

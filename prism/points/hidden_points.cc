@@ -9,13 +9,14 @@
 namespace prism {
 namespace {
 
-// Small residuals, and most of the pattern's texture is there.
+// Small residuals, and most of the pattern's texture is there. `fit_sigma`:
+// NoiseModel::WeightedFitSigma.
 bool IsClearlySeen(const Point& point,
                    const FramePair& pair,
                    const Keyframe& target,
                    const PlenopticProjection& camera,
-                   double misfit) {
-  constexpr double kMaxRms = 1.5;  // NoiseModel::FitSigma()
+                   double fit_sigma) {
+  constexpr double kMaxRms = 1.5;  // fit_sigma
   PatternMatch match;
   if (!EvaluatePattern(point.patch, pair, target.frame->image[0], camera, point.rho, &match)) {
     return false;
@@ -28,15 +29,15 @@ bool IsClearlySeen(const Point& point,
   }
   const double lost = (r.array() - r.mean()).matrix().squaredNorm();
   const double texture = (expected.array() - expected.mean()).matrix().squaredNorm();
-  return r.squaredNorm() < kMaxRms * kMaxRms * misfit * misfit * kPatternSize &&
+  return r.squaredNorm() < kMaxRms * kMaxRms * fit_sigma * fit_sigma * kPatternSize &&
          lost < 0.5 * texture;
 }
 
+// IsClipped at the point's pixel.
 bool IsClippedIn(const Point& point,
                  const FramePair& pair,
                  const Keyframe& target,
                  const PlenopticProjection& camera) {
-  constexpr int kCenter = 4;  // of kPattern
   const ImageF& image = target.frame->image[0];
   Eigen::Vector3d x_V;
   if (!ProjectBetweenFrames(
@@ -45,7 +46,8 @@ bool IsClippedIn(const Point& point,
     return false;
   }
   const double expected =
-      pair.current.gain * (point.patch.intensity[kCenter] - pair.current.host_b) + pair.target_b;
+      pair.current.gain * (point.patch.intensity[kPatternCenter] - pair.current.host_b) +
+      pair.target_b;
   return IsClipped(InterpolateBilinear(image, x_V.x(), x_V.y()).value, expected);
 }
 
@@ -54,22 +56,18 @@ bool IsClippedIn(const Point& point,
 void MarkHiddenPoints(const std::set<int>& misfits, Window* window) {
   const size_t size = window->keyframes.size();
   if (size < 2) return;
+  const double fit_sigma = window->noise.WeightedFitSigma();
   const Keyframe& newest = window->newest();
   const Keyframe& before = *window->keyframes[size - 2];
   for (const auto& host : window->keyframes) {
     if (host->id == newest.id) continue;
-    FramePair pair;
-    pair.inverse_sigma = 1 / window->noise.ResidualSigma();
-    pair.Update(host->state, newest.state);
+    const FramePair pair = MakeFramePair(window->noise, host->state, newest.state);
     for (const auto& point : host->points) {
-      const bool is_hidden =
-          IsClippedIn(*point, pair, newest, window->camera) || IsHidden(*point, before)
-              ? !IsClearlySeen(*point,
-                               pair,
-                               newest,
-                               window->camera,
-                               window->noise.FitSigma() / window->noise.ResidualSigma())
-              : misfits.count(point->id) > 0;
+      const bool is_doubtful =
+          IsHidden(*point, before) || IsClippedIn(*point, pair, newest, window->camera);
+      const bool is_hidden = is_doubtful
+                                 ? !IsClearlySeen(*point, pair, newest, window->camera, fit_sigma)
+                                 : misfits.count(point->id) > 0;
       if (is_hidden) point->outlier_targets.push_back(newest.id);
     }
   }

@@ -9,9 +9,9 @@
 namespace prism {
 
 // Before a new keyframe is optimised: points that do not fit it are not looked for in it
-// (Point::outlier_targets). Those are `misfits` (Point::id), found when it was tracked, points that
-// were hidden in the keyframe before and are not clearly seen again at the states as they are, and
-// points that are clipped there (IsClipped).
+// (Point::outlier_targets). Of points that were hidden in the keyframe before, or are clipped in
+// this one (IsClipped), those are the ones not clearly seen at the states as they are; of the
+// others the `misfits` (Point::id), found when the keyframe was tracked.
 void MarkHiddenPoints(const std::set<int>& misfits, Window* window);
 
 }  // namespace prism

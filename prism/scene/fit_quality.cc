@@ -21,8 +21,8 @@ bool FitLimits::IsValid(std::string* error) const {
 }
 
 bool FitOptions::IsValid(std::string* error) const {
-  return possible.IsValid(error) && start.IsValid(error) && match.IsValid(error) &&
-         good.IsValid(error) && recovered.IsValid(error);
+  return start.IsValid(error) && match.IsValid(error) && good.IsValid(error) &&
+         recovered.IsValid(error);
 }
 
 }  // namespace prism

@@ -10,7 +10,7 @@ namespace prism {
 // How well a frame fits what is known of the scene, by whoever has aligned or optimised it.
 struct FitQuality {
   double rms = INFINITY;        // of residuals that are no outliers, in NoiseModel::FitSigma()
-  double outlier_fraction = 1;  // of the residuals
+  double outlier_fraction = 1;  // of the residuals, or of the points they belong to
   double visible_fraction = 0;  // of what was looked for
   double log_gain = 0;          // change of brightness, |a|, against what was expected
   // DepthAgreement over what is usual; 1 where it is not asked for or says nothing.
@@ -30,8 +30,6 @@ struct FitLimits {
 };
 
 struct FitOptions {
-  // No match at all, whatever else is known.
-  FitLimits possible = {4, 0.75, 0.3, 0.7, 0};
   // Of a frame while few frames tell what fits: a quarter of outliers is still a match.
   FitLimits start = {4, 0.25, 0.3, 0.7, 0.4};
   // Of a frame once that is known.

@@ -6,9 +6,10 @@
 
 namespace prism {
 
-// What fits: what photometric residuals scatter by, intensities 0 to 255: the noise of both images,
-// and what the model leaves out (interpolation, depth edges, reflections). The one measure that
-// residuals are weighted by and fits are judged by.
+// The one measure that residuals are weighted by and fits are judged by. Photometric residuals
+// (intensities 0 to 255) scatter by the noise of both images and by what the model leaves out:
+// interpolation, depth edges, reflections. Measured depths come with a standard deviation, which is
+// taken times a scale.
 class NoiseModel {
  public:
   // Before anything is measured. `image_sigma` of one image (EstimateImageNoise); `model_sigma` is
@@ -27,7 +28,8 @@ class NoiseModel {
   // the median over the last 30 frames that were told to Observe, and 1.25 at the least and before
   // (bilinear interpolation of sharp images costs that much on noise-free ones).
   double FitSigma() const { return Misfit() * StatedSigma(); }
-  double Misfit() const;  // in StatedSigma()
+  // The same in ResidualSigma(), the unit of weighted residuals.
+  double WeightedFitSigma() const { return FitSigma() / ResidualSigma(); }
   // RMS of the residuals of a frame that fits, intensities.
   void Observe(double rms);
   // DepthAgreement of a frame that fits, and what is usual: the median of the last 30, 1 before.
@@ -37,8 +39,8 @@ class NoiseModel {
   bool KnowsFit() const { return misfits_.size() >= 3; }
 
  private:
-  // Before windows have told more.
-  double StatedSigma() const;
+  double StatedSigma() const;  // before windows have told more
+  double Misfit() const;       // in StatedSigma()
 
   double image_sigma_;
   double model_sigma_;

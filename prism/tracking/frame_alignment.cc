@@ -195,7 +195,6 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const NoiseModel& noise,
                                 const AlignmentOptions& options,
                                 int coarsest_level) {
-  constexpr double kManyOutliers = 0.15;
   FrameAlignmentResult result;
   result.state = initial;
   const int num_levels = NumLevels(reference, target);
@@ -209,7 +208,7 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
         AlignOnLevel(reference, target, level, noise, options, &result.state, &rho);
   }
   result.points = JudgePoints(reference, target[0], result.state, rho, noise);
-  if (result.points.OutlierFraction() > kManyOutliers) {
+  if (result.points.AreManyHidden()) {
     // What is hidden still pulls at the brightness, below the threshold of outliers.
     TrackingReference seen = reference;
     for (size_t i = 0; i < seen.points.size(); ++i) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,8 @@ struct FrameAlignmentResult {
   int iterations = 0;
 };
 
+inline constexpr int kAllLevels = std::numeric_limits<int>::max();
+
 // Aligns a frame to the reference, coarse to fine (LevelAlignment), from `coarsest_level` or, if
 // there are fewer, the coarsest there is.
 FrameAlignmentResult AlignFrame(const TrackingReference& reference,
@@ -49,7 +52,7 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const AlignmentState& initial,
                                 const NoiseModel& noise,
                                 const AlignmentOptions& options,
-                                int coarsest_level = 100);
+                                int coarsest_level = kAllLevels);
 
 // Aligns on the coarsest level alone, which is cheap, from each start. The distinct minima, best
 // fit first; those with too little in view or beyond the limit of brightness are left out.

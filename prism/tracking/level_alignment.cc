@@ -84,7 +84,6 @@ LevelCost LevelAlignment::Evaluate(const AlignmentState& state,
       continue;
     }
     ++cost.inliers;
-    cost.squared_error += r * r;
     cost.energy += sample.pixel.weight * RobustSquare(magnitude);
     if (equations == nullptr) continue;
     const double weight = options_.robust && magnitude > huber_threshold_

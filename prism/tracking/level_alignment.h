@@ -30,8 +30,7 @@ struct LevelAlignmentOptions {
 // the image cost nothing and outliers the same wherever they are, so costs are compared per visible
 // sample.
 struct LevelCost {
-  double energy = 0;         // sum of weighted robust squares, intensities^2
-  double squared_error = 0;  // sum of squared residuals of inliers, intensities^2
+  double energy = 0;  // sum of weighted robust squares, intensities^2
   int visible = 0;
   int inliers = 0;
   double PerSample() const { return visible > 0 ? energy / visible : INFINITY; }

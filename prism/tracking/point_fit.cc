@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/tracking/point_fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -90,7 +91,7 @@ PointFits JudgePoints(const TrackingReference& reference,
     if (cell.seen >= kMinPoints && 2 * cell.outliers > cell.seen) fits[i] = PointFit::kOutlier;
     if (reference.points[i].is_excluded) continue;
     ++result.seen;
-    if (fits[i] != PointFit::kFits) {
+    if (fits[i] == PointFit::kOutlier) {
       ++result.outliers;
     } else {
       r2 += sums[i].r2;

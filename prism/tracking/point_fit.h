@@ -21,6 +21,8 @@ struct PointFits {
   double rms = INFINITY;  // of the samples of points that fit, intensities
 
   double OutlierFraction() const { return seen > 0 ? static_cast<double>(outliers) / seen : 1; }
+  // So many do not fit that something is before them.
+  bool AreManyHidden() const { return OutlierFraction() >= 0.15; }
 };
 
 // How the points of a reference fit the finest level of a frame aligned to it;

@@ -96,10 +96,11 @@ AlignmentState Tracker::Prediction(int64_t time_ns) const {
 }
 
 AlignmentState Tracker::WithBrightness(const ImagePyramid& target,
+                                       const std::vector<double>& intensities,
                                        const NoiseModel& noise,
                                        const AlignmentState& prediction) const {
   if (reference_.empty()) return prediction;
-  const double ratio = ExposureRatio(last_intensities_, Intensities(target));
+  const double ratio = ExposureRatio(last_intensities_, intensities);
   AlignmentState changed = prediction;
   changed.a += std::log(ratio);
   changed.b *= ratio;
@@ -146,10 +147,19 @@ TrackingResult Tracker::Track(const ImagePyramid& target,
                               int64_t time_ns,
                               const NoiseModel& noise,
                               const DepthCheck& check_depth) {
-  TrackingResult result = TryStarts(target, time_ns, noise, check_depth);
+  TrackingResult result;
+  const ImageF& texture_level = target[std::min<size_t>(1, target.size() - 1)];
+  if (RmsGradient(texture_level) < options_.min_rms_gradient) {
+    result.status = TrackingStatus::kNoTexture;
+    return result;
+  }
+  std::vector<double> intensities = Intensities(target);
+  const AlignmentState prediction = WithBrightness(target, intensities, noise, Prediction(time_ns));
+  result = TryStarts(target, time_ns, prediction, noise);
+  Judge(noise, check_depth, &result);
   if (result.status != TrackingStatus::kGood) return result;
   ExcludePoints(result.alignment.points.fits);
-  last_intensities_ = Intensities(target);
+  last_intensities_ = std::move(intensities);
   history_.push_back({time_ns, result.alignment.state});
   if (history_.size() > 2) history_.erase(history_.begin());
   return result;
@@ -165,26 +175,28 @@ void Tracker::ExcludePoints(const std::vector<PointFit>& fits) {
 
 TrackingResult Tracker::TryStarts(const ImagePyramid& target,
                                   int64_t time_ns,
-                                  const NoiseModel& noise,
-                                  const DepthCheck& check_depth) const {
-  TrackingResult result;
-  const ImageF& texture_level = target[std::min<size_t>(1, target.size() - 1)];
-  if (RmsGradient(texture_level) < options_.min_rms_gradient) {
-    result.status = TrackingStatus::kNoTexture;
-    return result;
-  }
-  const auto align = [&](const AlignmentState& start, int coarsest_level = 100) {
+                                  const AlignmentState& prediction,
+                                  const NoiseModel& noise) const {
+  const auto align = [&](const AlignmentState& start, int coarsest_level = kAllLevels) {
     return AlignFrame(reference_, target, start, noise, options_.alignment, coarsest_level);
   };
   const auto is_good = [&](const FrameAlignmentResult& alignment) {
     return alignment.status == AlignmentStatus::kGood && options_.fit.good.AreMetBy(alignment.fit);
   };
-  const AlignmentState prediction = WithBrightness(target, noise, Prediction(time_ns));
+  // Takes a fit that costs less than `max_cost`, or any if there is none yet.
+  TrackingResult result;
+  const auto take_if_better = [&](const FrameAlignmentResult& alignment, double max_cost) {
+    ++result.attempts;
+    const bool is_better =
+        alignment.status == AlignmentStatus::kGood &&
+        (result.alignment.status != AlignmentStatus::kGood || alignment.cost < max_cost);
+    if (is_better) result.alignment = alignment;
+    return is_better;
+  };
   result.alignment = align(prediction);
   result.attempts = 1;
-  bool best_is_predicted = true;
-  constexpr double kFar = 5;  // px of level 0
   const auto is_far = [&](const FrameAlignmentResult& alignment) {
+    constexpr double kFar = 5;  // px of level 0
     return KnowsMotion() && FlowBetween(reference_,
                                         prediction.target_from_reference,
                                         alignment.state.target_from_reference) > kFar;
@@ -193,46 +205,33 @@ TrackingResult Tracker::TryStarts(const ImagePyramid& target,
     // On the coarsest levels, what hides a part of the view drags the rest along. Where motion is
     // steady the prediction is near enough for the finer ones.
     constexpr int kNear = 2;
-    const FrameAlignmentResult near = align(prediction, kNear);
-    ++result.attempts;
-    if (near.status == AlignmentStatus::kGood &&
-        (result.alignment.status != AlignmentStatus::kGood || near.cost < result.alignment.cost)) {
-      result.alignment = near;
-    }
+    take_if_better(align(prediction, kNear), result.alignment.cost);
   }
-  if (!is_good(result.alignment)) {
-    const SE3 first = result.alignment.state.target_from_reference;
-    int retries = 0;
-    for (const AlignmentState& start : RankStarts(
-             reference_, target, OtherStarts(time_ns, prediction), noise, options_.alignment)) {
-      if (AreOneMinimum(reference_, start.target_from_reference, first)) continue;
-      const FrameAlignmentResult alignment = align(start);
-      ++result.attempts;
-      const bool possible = alignment.status == AlignmentStatus::kGood;
-      const bool best_is_possible = result.alignment.status == AlignmentStatus::kGood;
-      // Where motion predicts a frame, it is rather half hidden than somewhere else.
-      const double bias = best_is_predicted ? options_.max_cost_ratio : 1;
-      if (possible && (!best_is_possible || alignment.cost < bias * result.alignment.cost)) {
-        result.alignment = alignment;
-        best_is_predicted = false;
-      }
-      if (is_good(result.alignment) || ++retries == options_.max_retries) break;
-    }
-  }
-  if (check_depth && result.alignment.status == AlignmentStatus::kGood) {
-    result.alignment.fit.depth_agreement = check_depth(reference_, result.alignment);
-  }
-  const FitLimits& limits = noise.KnowsFit() ? options_.fit.match : options_.fit.start;
-  if (result.alignment.status == AlignmentStatus::kGood) {
-    FitQuality images_alone = result.alignment.fit;
-    images_alone.depth_agreement = 1;
-    if (limits.AreMetBy(result.alignment.fit)) {
-      result.status = TrackingStatus::kGood;
-    } else if (limits.AreMetBy(images_alone)) {
-      result.status = TrackingStatus::kDepthsDisagree;
-    }
+  if (is_good(result.alignment)) return result;
+
+  // Where motion predicts a frame, it is rather half hidden than somewhere else.
+  double max_cost = options_.max_cost_ratio * result.alignment.cost;
+  const SE3 first = result.alignment.state.target_from_reference;
+  int retries = 0;
+  for (const AlignmentState& start : RankStarts(
+           reference_, target, OtherStarts(time_ns, prediction), noise, options_.alignment)) {
+    if (AreOneMinimum(reference_, start.target_from_reference, first)) continue;
+    if (take_if_better(align(start), max_cost)) max_cost = result.alignment.cost;
+    if (is_good(result.alignment) || ++retries == options_.max_retries) break;
   }
   return result;
+}
+
+void Tracker::Judge(const NoiseModel& noise,
+                    const DepthCheck& check_depth,
+                    TrackingResult* result) const {
+  FrameAlignmentResult& alignment = result->alignment;
+  if (alignment.status != AlignmentStatus::kGood) return;
+  const FitLimits& limits = noise.KnowsFit() ? options_.fit.match : options_.fit.start;
+  if (!limits.AreMetBy(alignment.fit)) return;  // of images alone, so far
+  if (check_depth) alignment.fit.depth_agreement = check_depth(reference_, alignment);
+  result->status =
+      limits.AreMetBy(alignment.fit) ? TrackingStatus::kGood : TrackingStatus::kDepthsDisagree;
 }
 
 }  // namespace prism

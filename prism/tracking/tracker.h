@@ -78,13 +78,17 @@ class Tracker {
   // Its brightness that of the last frame, or changed as the images' intensities have (exposure),
   // whichever fits the image better.
   AlignmentState WithBrightness(const ImagePyramid& target,
+                                const std::vector<double>& intensities,
                                 const NoiseModel& noise,
                                 const AlignmentState& prediction) const;
   std::vector<AlignmentState> OtherStarts(int64_t time_ns, const AlignmentState& prediction) const;
+  // The best alignment from the prediction and, if that is not good, from other starts; without a
+  // verdict.
   TrackingResult TryStarts(const ImagePyramid& target,
                            int64_t time_ns,
-                           const NoiseModel& noise,
-                           const DepthCheck& check_depth) const;
+                           const AlignmentState& prediction,
+                           const NoiseModel& noise) const;
+  void Judge(const NoiseModel& noise, const DepthCheck& check_depth, TrackingResult* result) const;
   // Points that did not fit `exclude_after` frames in a row are left out until they fit again.
   void ExcludePoints(const std::vector<PointFit>& fits);
 

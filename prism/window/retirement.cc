@@ -170,10 +170,9 @@ std::vector<RetiredPoint> ForgetWindow(Window* window) {
 RetiredPoint MakeRetiredPoint(const PlenopticProjection& camera,
                               const Keyframe& host,
                               const Point& point) {
-  constexpr int kCenter = 4;  // of kPattern
   return {host.id,
           UnprojectInverseDepth(camera, point.patch.px, point.rho),
-          point.patch.intensity[kCenter]};
+          point.patch.intensity[kPatternCenter]};
 }
 
 }  // namespace prism

@@ -85,73 +85,69 @@ TEST(CoverageMap, KnowsWherePointsAre) {
   EXPECT_TRUE(coverage.IsFree(px.x() + 4, px.y(), 3));
 }
 
-TEST(SearchEpipolarLine, FindsTheTrueDepthInAWideInterval) {
+Window TwoKeyframes(double baseline) {
   SyntheticOptions options = SmallWindow();
   options.num_keyframes = 2;
-  options.baseline = 0.1;
-  const Window window = MakeSyntheticWindow(options);
-  FramePair pair;
-  pair.inverse_sigma = 1 / window.noise.ResidualSigma();
-  pair.Update(window.keyframes[0]->state, window.keyframes[1]->state);
-  int found = 0, wrong = 0;
+  options.baseline = baseline;
+  return MakeSyntheticWindow(options);
+}
+
+EpipolarSearchResult SearchInSecondKeyframe(const Window& window,
+                                            const Point& point,
+                                            double rho_min,
+                                            double rho_max,
+                                            const EpipolarSearchOptions& search) {
+  const FramePair pair =
+      MakeFramePair(window.noise, window.keyframes[0]->state, window.keyframes[1]->state);
+  return SearchEpipolarLine(window.camera,
+                            point.patch,
+                            pair,
+                            window.keyframes[1]->frame->image[0],
+                            rho_min,
+                            rho_max,
+                            search);
+}
+
+// Looks for all points of the first keyframe in the second, between two multiples of their rho.
+struct SearchCount {
+  int found = 0;
+  int wrong = 0;  // by more than `tolerance`
+};
+SearchCount SearchAll(double min_factor,
+                      double max_factor,
+                      double tolerance,
+                      const EpipolarSearchOptions& search) {
+  const Window window = TwoKeyframes(0.1);
+  SearchCount count;
   for (const auto& point : window.keyframes[0]->points) {
-    const EpipolarSearchResult match = SearchEpipolarLine(window.camera,
-                                                          point->patch,
-                                                          pair,
-                                                          window.keyframes[1]->frame->image[0],
-                                                          0.6 * point->rho,
-                                                          1.6 * point->rho,
-                                                          {});
+    const EpipolarSearchResult match = SearchInSecondKeyframe(
+        window, *point, min_factor * point->rho, max_factor * point->rho, search);
     if (match.status != EpipolarSearchStatus::kFound) continue;
-    ++found;
-    wrong += std::abs(match.rho / point->rho - 1) > 0.02;
+    ++count.found;
+    count.wrong += std::abs(match.rho / point->rho - 1) > tolerance;
   }
-  EXPECT_GT(found, 50);
-  EXPECT_LT(wrong, found / 10);
+  return count;
+}
+
+TEST(SearchEpipolarLine, FindsTheTrueDepthInAWideInterval) {
+  const SearchCount count = SearchAll(0.6, 1.6, 0.02, {});
+  EXPECT_GT(count.found, 50);
+  EXPECT_LT(count.wrong, count.found / 10);
 }
 
 TEST(SearchEpipolarLine, SearchesTheFarEndOfALineThatIsTooLong) {
-  SyntheticOptions options = SmallWindow();
-  options.num_keyframes = 2;
-  options.baseline = 0.1;
-  const Window window = MakeSyntheticWindow(options);
-  FramePair pair;
-  pair.inverse_sigma = 1 / window.noise.ResidualSigma();
-  pair.Update(window.keyframes[0]->state, window.keyframes[1]->state);
   // Points are at 2 m. To 0.1 m, lines would be some 10 times as long.
   EpipolarSearchOptions search;
   search.max_length = 25;
-  int found = 0, wrong = 0;
-  for (const auto& point : window.keyframes[0]->points) {
-    const EpipolarSearchResult match = SearchEpipolarLine(window.camera,
-                                                          point->patch,
-                                                          pair,
-                                                          window.keyframes[1]->frame->image[0],
-                                                          0.7 * point->rho,
-                                                          20 * point->rho,
-                                                          search);
-    if (match.status != EpipolarSearchStatus::kFound) continue;
-    ++found;
-    wrong += std::abs(match.rho / point->rho - 1) > 0.05;
-  }
-  EXPECT_GT(found, 30);
-  EXPECT_LT(wrong, found / 8);
+  const SearchCount count = SearchAll(0.7, 20, 0.05, search);
+  EXPECT_GT(count.found, 30);
+  EXPECT_LT(count.wrong, count.found / 8);
 }
 
 TEST(SearchEpipolarLine, SaysWhenTheParallaxIsTooSmall) {
-  SyntheticOptions options = SmallWindow();
-  options.num_keyframes = 2;
-  options.baseline = 1e-4;
-  const Window window = MakeSyntheticWindow(options);
-  FramePair pair;
-  pair.inverse_sigma = 1 / window.noise.ResidualSigma();
-  pair.Update(window.keyframes[0]->state, window.keyframes[1]->state);
-  const Point& point = *window.keyframes[0]->points[0];
-  EXPECT_EQ(
-      SearchEpipolarLine(
-          window.camera, point.patch, pair, window.keyframes[1]->frame->image[0], 0.4, 0.6, {})
-          .status,
-      EpipolarSearchStatus::kTooShort);
+  const Window window = TwoKeyframes(1e-4);
+  EXPECT_EQ(SearchInSecondKeyframe(window, *window.keyframes[0]->points[0], 0.4, 0.6, {}).status,
+            EpipolarSearchStatus::kTooShort);
 }
 
 TEST(Candidates, WithoutAMeasurementBecomePointsByMotionAlone) {
