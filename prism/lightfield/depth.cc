@@ -19,7 +19,7 @@ namespace {
 constexpr int kBlock = 8;               // raw px a side of a texture block
 constexpr float kSmoothNoise = 0.375f;  // noise of PreparedRaw::smooth over that of gray
 // Variance of one gradient component of the interpolated smooth image over that of gray's noise.
-constexpr float kGradientNoise = 0.08f;
+constexpr float kGradientNoise = 0.115f;
 constexpr float kMargin = kPatchRadius + 8;  // px: the kernel reads kPatchLanes + 1 pixels a row
 constexpr int kMaxHypotheses = 64;
 constexpr float kLastStep = 0.003f;  // of 1/v: a Gauss-Newton step this small is the last
@@ -59,21 +59,17 @@ void PlaceSamples(const PreparedRaw& raw,
                   const LensView* views,
                   int count,
                   PatchSample* samples) {
-  const int stride = raw.smooth.width();
   for (int k = 0; k < count; ++k) {
     const LensView& view = views[k];
     const Lens& lens = lenses.lenses()[view.lens];
-    const int x0 = static_cast<int>(view.x);
-    const int y0 = static_cast<int>(view.y);
-    const std::ptrdiff_t start =
-        static_cast<std::ptrdiff_t>(y0 - kPatchRadius) * stride + x0 - kPatchRadius;
+    const float x = view.x - kPatchRadius;
+    const float y = view.y - kPatchRadius;
     const float blend = match.Blend(lens.type);
-    samples[k] = {raw.smooth.data() + start,
-                  blend > 0 ? raw.smoother.data() + start : nullptr,
+    const ImageF& colours = blend > 0 ? raw.lens_colour_smoother : raw.lens_colour;
+    samples[k] = {raw.smooth.At(x, y),
+                  blend > 0 ? raw.smoother.At(x, y) : HalfPixelImage::Cell{},
                   blend,
-                  (blend > 0 ? raw.lens_colour_smoother : raw.lens_colour).data() + start,
-                  view.x - static_cast<float>(x0),
-                  view.y - static_cast<float>(y0),
+                  colours.row(static_cast<int>(y)) + static_cast<int>(x),
                   view.dx,
                   view.dy,
                   static_cast<float>(lens.colour + 1)};
@@ -132,7 +128,7 @@ void DepthEstimator::MeasureTexture(const PreparedRaw& raw) {
   for (int y = 1; y < height - 1; y += 5) {
     for (int x = 1; x < width - 1; ++x) {
       if (raw.lens_colour(x, y) == 0) continue;
-      const float difference = std::abs(raw.gray(x, y) - raw.smooth(x, y));
+      const float difference = std::abs(raw.gray(x, y) - raw.smooth.phase[0][0](x, y));
       if (difference == 0) continue;  // not filtered
       ++histogram[std::min(static_cast<int>(difference * 32), 1023)];
       ++total;
@@ -150,8 +146,8 @@ void DepthEstimator::MeasureTexture(const PreparedRaw& raw) {
     for (int bx = 0; bx < block_width_; ++bx) {
       int count = 0;
       for (int y = by * kBlock; y < std::min((by + 1) * kBlock, height - 1); ++y) {
-        const float* row = raw.smooth.row(y);
-        const float* below = raw.smooth.row(y + 1);
+        const float* row = raw.smooth.phase[0][0].row(y);
+        const float* below = raw.smooth.phase[0][0].row(y + 1);
         const float* colour = raw.lens_colour.row(y);
         for (int x = bx * kBlock; x < std::min((bx + 1) * kBlock, width - 1); ++x) {
           const float dx = row[x + 1] - row[x];
@@ -180,7 +176,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   float cost = 0;
   for (int iteration = 1;; ++iteration) {
     PlaceSamples(raw, lenses_, match, views, count, samples.data());
-    sums = SumPatches(samples.data(), count, raw.smooth.width());
+    sums = SumPatches(samples.data(), count, raw.gray.width());
     if (!(sums.hessian > 0)) return {};
     const float step = std::clamp(-sums.gradient / sums.hessian, -max_step, max_step);
     w += step;
@@ -192,7 +188,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(
     for (int k = 0; k < count; ++k) {
       views[k].x += step * views[k].dx;
       views[k].y += step * views[k].dy;
-      if (!raw.smooth.view().Contains(views[k].x, views[k].y, kMargin)) return {};
+      if (!raw.gray.view().Contains(views[k].x, views[k].y, kMargin)) return {};
     }
   }
   if (!(w >= options_.min_inverse_virtual_depth && w <= options_.max_inverse_virtual_depth) ||
@@ -250,7 +246,7 @@ DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X
     const int count = SelectViews(lenses_, match, kMaxSearched, seen, views);
     if (count < 2) continue;
     PlaceSamples(raw, lenses_, match, views, count, samples.data());
-    const PatchSums sums = SumPatchCosts(samples.data(), count, raw.smooth.width());
+    const PatchSums sums = SumPatchCosts(samples.data(), count, raw.gray.width());
     if (sums.freedom < 4) continue;
     cost[h] = sums.cost / sums.freedom;
     freedom[h] = sums.freedom;
@@ -344,6 +340,7 @@ void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma
       int agree = 0;
       int disagree = 0;
       float sum = 0;
+      float sigma_sum = 0;
       float weight = 0;
       for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, height_ - 1); ++v) {
         for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, width_ - 1); ++u) {
@@ -355,6 +352,7 @@ void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma
             const float far = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
             const float information = 1 / (sigma_other * sigma_other * (1 + 0.25f * far));
             sum += information * other;
+            sigma_sum += information * sigma_other;
             weight += information;
           } else {
             ++disagree;
@@ -362,8 +360,8 @@ void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma
         }
       }
       if (agree < 8 || 2 * disagree > agree) continue;
-      (*inverse_virtual_depth)(x, y) = sum / weight - static_cast<float>(options_.systematic_error);
-      (*sigma)(x, y) = raw_sigma_(x, y);
+      (*inverse_virtual_depth)(x, y) = sum / weight;
+      (*sigma)(x, y) = sigma_sum / weight;
     }
   });
 }

@@ -26,12 +26,6 @@ struct DepthOptions {
   double sigma_floor = 0.0015;              // of 1/v, model errors
   double noise_factor = 1.9;                // on sigma: correlated noise, slant within a patch
 
-  // Systematic error of 1/v, subtracted. Towards the rim of a micro image the main lens shades part
-  // of the micro lens, so that a defocused point moves; and at depth edges the nearer surface wins.
-  // Frames of rooms, ours and others', lie between -0.0008 and -0.0013, with pinhole lenses too,
-  // and planes between -0.0011 and +0.0001.
-  double systematic_error = -0.0009;
-
   bool IsValid(std::string* error) const;
 };
 
@@ -54,7 +48,7 @@ struct DepthOptions {
 //    refined with a lens set held fixed; the others are the mean of what agrees beside them.
 // 3. Estimates that a third of their neighbours contradict are dropped; the others become the mean
 //    of the neighbours that agree, weighted by information. Neighbours share raw pixels, so sigma
-//    stays that of one estimate.
+//    is the mean of theirs, as if their errors were the same.
 //
 // sigma^2 = noise_factor^2 s^2 / hessian + sigma_floor^2 with s^2 the larger of the image noise and
 // the mean squared residual.

@@ -15,16 +15,17 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <class D>
-hn::Vec<D> LoadBlended(D d, const PatchSample& sample, std::ptrdiff_t offset) {
-  const auto sharp = hn::LoadU(d, sample.image + offset);
+hn::Vec<D> LoadBlended(D d, const PatchSample& sample, int corner, std::ptrdiff_t offset) {
+  const auto sharp = hn::LoadU(d, sample.image.corner[corner] + offset);
   if (sample.blend == 0) return sharp;
-  const auto blurred = hn::LoadU(d, sample.blurred + offset);
+  const auto blurred = hn::LoadU(d, sample.blurred.corner[corner] + offset);
   return hn::MulAdd(hn::Set(d, sample.blend), hn::Sub(blurred, sharp), sharp);
 }
 
 template <bool kDerivatives>
 PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
   constexpr int kRows = 2 * kPatchRadius + 1;
+  constexpr float kSteps = HalfPixelImage::kStepsPerPixel;
   const hn::CappedTag<float, kPatchLanes> d;
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
@@ -42,12 +43,12 @@ PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
       for (int k = 0; k < count; ++k) {
         const PatchSample& sample = samples[k];
         const std::ptrdiff_t p = row * stride + static_cast<std::ptrdiff_t>(lane);
-        const V v00 = LoadBlended(d, sample, p);
-        const V v10 = LoadBlended(d, sample, p + 1);
-        const V v01 = LoadBlended(d, sample, p + stride);
-        const V v11 = LoadBlended(d, sample, p + stride + 1);
-        const V fx = hn::Set(d, sample.fx);
-        const V fy = hn::Set(d, sample.fy);
+        const V v00 = LoadBlended(d, sample, 0, p);
+        const V v10 = LoadBlended(d, sample, 1, p);
+        const V v01 = LoadBlended(d, sample, 2, p);
+        const V v11 = LoadBlended(d, sample, 3, p);
+        const V fx = hn::Set(d, sample.image.fx);
+        const V fy = hn::Set(d, sample.image.fy);
         const V dx_top = hn::Sub(v10, v00);
         const V dx_bottom = hn::Sub(v11, v01);
         const V top = hn::MulAdd(fx, dx_top, v00);
@@ -65,7 +66,9 @@ PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
         if (kDerivatives) {
           const V dx = hn::MulAdd(fy, hn::Sub(dx_bottom, dx_top), dx_top);
           const V g = hn::IfThenElseZero(
-              good, hn::MulAdd(dx, hn::Set(d, sample.dx), hn::Mul(dy, hn::Set(d, sample.dy))));
+              good,
+              hn::MulAdd(
+                  dx, hn::Set(d, kSteps * sample.dx), hn::Mul(dy, hn::Set(d, kSteps * sample.dy))));
           sum_g = hn::Add(sum_g, g);
           sum_gi = hn::MulAdd(g, value, sum_gi);
           sum_gg = hn::MulAdd(g, g, sum_gg);
@@ -126,18 +129,18 @@ PatchSums SumPatchesReference(const PatchSample* samples, int count, std::ptrdif
       for (int k = 0; k < count; ++k) {
         const PatchSample& s = samples[k];
         if (s.colours[row * stride + column] != s.colour) continue;
-        const auto value_at = [&](std::ptrdiff_t offset) -> double {
-          const double sharp = s.image[offset];
-          return s.blend == 0 ? sharp : sharp + s.blend * (s.blurred[offset] - sharp);
-        };
         const std::ptrdiff_t p = row * stride + column;
-        const double v00 = value_at(p), v10 = value_at(p + 1);
-        const double v01 = value_at(p + stride), v11 = value_at(p + stride + 1);
-        const double top = v00 + s.fx * (v10 - v00);
-        const double bottom = v01 + s.fx * (v11 - v01);
-        const double dx = (1 - s.fy) * (v10 - v00) + s.fy * (v11 - v01);
-        const double value = top + s.fy * (bottom - top);
-        const double g = dx * s.dx + (bottom - top) * s.dy;
+        const auto value_at = [&](int corner) -> double {
+          const double sharp = s.image.corner[corner][p];
+          return s.blend == 0 ? sharp : sharp + s.blend * (s.blurred.corner[corner][p] - sharp);
+        };
+        const double fx = s.image.fx, fy = s.image.fy;
+        const double v00 = value_at(0), v10 = value_at(1), v01 = value_at(2), v11 = value_at(3);
+        const double top = v00 + fx * (v10 - v00);
+        const double bottom = v01 + fx * (v11 - v01);
+        const double dx = (1 - fy) * (v10 - v00) + fy * (v11 - v01);
+        const double value = top + fy * (bottom - top);
+        const double g = HalfPixelImage::kStepsPerPixel * (dx * s.dx + (bottom - top) * s.dy);
         sum_q += 1;
         sum_i += value;
         sum_g += g;

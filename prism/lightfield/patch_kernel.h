@@ -4,6 +4,8 @@
 
 #include <cstddef>
 
+#include "prism/lightfield/half_pixel_image.h"
+
 namespace prism {
 
 inline constexpr int kPatchRadius = 3;  // px of the raw image: patches of 7 x 7
@@ -15,16 +17,14 @@ inline constexpr float kPatchSigma = 2;  // px
 alignas(64) inline constexpr float kPatchWeights[kPatchLanes] = {
     0.32465247f, 0.60653066f, 0.88249690f, 1.0f, 0.88249690f, 0.60653066f, 0.32465247f, 0.0f};
 
-// One lens' sight of a patch: the images and `colours` point at the top-left of the 2 x 2 pixels
-// that surround the patch's top-left sample, which lies (fx, fy) in [0, 1) from it.
+// One lens' sight of a patch, by what surrounds the patch's top-left sample.
 struct PatchSample {
-  const float* image;
-  const float* blurred;  // read where blend > 0
-  float blend;           // values are image + blend (blurred - image)
-  const float* colours;
-  float fx, fy;
-  float dx, dy;  // motion of the patch per unit of 1/v, px
-  float colour;  // samples whose colour differs are left out
+  HalfPixelImage::Cell image;
+  HalfPixelImage::Cell blurred;  // at the same position; read where blend > 0
+  float blend;                   // values are image + blend (blurred - image)
+  const float* colours;          // of the whole pixel up and left of the sample
+  float dx, dy;                  // motion of the patch per unit of 1/v, px
+  float colour;                  // samples whose colour differs are left out
 };
 
 // Sums over the samples s of a patch and the n_s lenses k that see it, with patch weight p_s, value

@@ -90,28 +90,37 @@ float Percentile(double share, std::vector<float>* values) {
   return *nth;
 }
 
-// The (1 2 1) x (1 2 1) / 16 filter on the rows from y - 1 to y + 1, and where all nine pixels
-// belong to one micro image.
-void FilterRow(
-    const ImageF& image, const Image<uint8_t>& good, int y, float* smooth, uint8_t* filtered) {
+// Where all nine pixels around one belong to one micro image.
+void InteriorRow(const Image<uint8_t>& good, int y, uint8_t* interior) {
+  const uint8_t *above = good.row(std::max(y - 1, 0)), *here = good.row(y);
+  const uint8_t* below = good.row(std::min(y + 1, good.height() - 1));
+  for (int x = 1; x < good.width() - 1; ++x) {
+    const uint8_t c = here[x];
+    // No branches: the loop is vectorised.
+    const int differs = (here[x - 1] ^ c) | (here[x + 1] ^ c) | (above[x - 1] ^ c) |
+                        (above[x] ^ c) | (above[x + 1] ^ c) | (below[x - 1] ^ c) | (below[x] ^ c) |
+                        (below[x + 1] ^ c);
+    interior[x] = differs == 0 ? c : uint8_t{0};
+  }
+}
+
+// The filter (1 2 1) x (1 2 1) / 16.
+void Smooth(const ImageF& image, ImageF* smooth) {
   const int width = image.width();
   const int height = image.height();
-  const int up = std::max(y - 1, 0);
-  const int down = std::min(y + 1, height - 1);
-  const float *above = image.row(up), *here = image.row(y), *below = image.row(down);
-  const uint8_t *c_above = good.row(up), *c = good.row(y), *c_below = good.row(down);
-  smooth[0] = here[0];
-  smooth[width - 1] = here[width - 1];
-  for (int x = 1; x < width - 1; ++x) {
-    smooth[x] = (above[x - 1] + above[x + 1] + below[x - 1] + below[x + 1] +
-                 2 * (above[x] + below[x] + here[x - 1] + here[x + 1]) + 4 * here[x]) *
-                (1.0f / 16);
-    // No branches: the loop is vectorised.
-    const int differs = (c[x - 1] ^ c[x]) | (c[x + 1] ^ c[x]) | (c_above[x - 1] ^ c[x]) |
-                        (c_above[x] ^ c[x]) | (c_above[x + 1] ^ c[x]) | (c_below[x - 1] ^ c[x]) |
-                        (c_below[x] ^ c[x]) | (c_below[x + 1] ^ c[x]);
-    filtered[x] = differs == 0 ? c[x] : uint8_t{0};
-  }
+  tbb::parallel_for(0, height, [&](int y) {
+    const float* above = image.row(std::max(y - 1, 0));
+    const float* here = image.row(y);
+    const float* below = image.row(std::min(y + 1, height - 1));
+    float* out = smooth->row(y);
+    out[0] = here[0];
+    out[width - 1] = here[width - 1];
+    for (int x = 1; x < width - 1; ++x) {
+      out[x] = (above[x - 1] + above[x + 1] + below[x - 1] + below[x + 1] +
+                2 * (above[x] + below[x] + here[x - 1] + here[x + 1]) + 4 * here[x]) *
+               (1.0f / 16);
+    }
+  });
 }
 
 // Where bilinear interpolation in [x, x+1] x [y, y+1] uses pixels of one micro image.
@@ -200,10 +209,8 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
   const int height = lenses_.height();
   if (prepared->gray.empty()) {
     prepared->gray = ImageF(width, height);
-    prepared->smooth = ImageF(width, height);
     prepared->lens_colour = ImageF(width, height, 0);
     if (lenses_.HasSeveralFocalLengths()) {
-      prepared->smoother = ImageF(width, height);
       prepared->lens_colour_smoother = ImageF(width, height, 0);
     }
   }
@@ -220,15 +227,18 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
       gray[x] *= gain[x] > 0 ? gain[x] : 1.0f;
     }
   });
-  tbb::parallel_for(0, height, [&](int y) {
-    FilterRow(prepared->gray, good_, y, prepared->smooth.row(y), filtered_.row(y));
-  });
+  FilterHalfPixels(prepared->gray, &prepared->smooth);
+  tbb::parallel_for(0, height, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
   tbb::parallel_for(
       0, height - 1, [&](int y) { CellColourRow(filtered_, y, prepared->lens_colour.row(y)); });
   if (!lenses_.HasSeveralFocalLengths()) return;
-  tbb::parallel_for(0, height, [&](int y) {
-    FilterRow(prepared->smooth, filtered_, y, prepared->smoother.row(y), filtered_twice_.row(y));
-  });
+  prepared->smoother.Resize(width, height);
+  for (int j = 0; j < HalfPixelImage::kStepsPerPixel; ++j) {
+    for (int i = 0; i < HalfPixelImage::kStepsPerPixel; ++i) {
+      Smooth(prepared->smooth.phase[j][i], &prepared->smoother.phase[j][i]);
+    }
+  }
+  tbb::parallel_for(0, height, [&](int y) { InteriorRow(filtered_, y, filtered_twice_.row(y)); });
   tbb::parallel_for(0, height - 1, [&](int y) {
     CellColourRow(filtered_twice_, y, prepared->lens_colour_smoother.row(y));
   });

@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "prism/image/image.h"
+#include "prism/lightfield/half_pixel_image.h"
 #include "prism/lightfield/lens_table.h"
 
 namespace prism {
@@ -26,16 +27,15 @@ struct PreparationOptions {
 
 // A raw image ready for matching and resampling, 0 to 255 in raw px.
 struct PreparedRaw {
-  ImageF gray;    // vignetting-corrected
-  ImageF smooth;  // gray under the filter (1 2 1) x (1 2 1) / 16, so that bilinear interpolation
-                  // treats all sub-pixel phases nearly alike
+  ImageF gray;            // vignetting-corrected
+  HalfPixelImage smooth;  // gray under the filters of FilterHalfPixels
   // Colour + 1 of the lens (LensTable) if bilinear interpolation of `smooth` in [x, x+1] x [y, y+1]
   // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
   // would shift the image inwards and bias the depth.
   ImageF lens_colour;
-  // For arrays of several focal lengths, else empty: `smooth` under the same filter once more, and
-  // where it is good. Blending towards it blurs a sharp lens as defocus blurs another.
-  ImageF smoother;
+  // For arrays of several focal lengths, else empty: `smooth` under (1 2 1) x (1 2 1) / 16 once
+  // more, and where it is good. Blending towards it blurs a sharp lens as defocus blurs another.
+  HalfPixelImage smoother;
   ImageF lens_colour_smoother;
 };
 

@@ -32,19 +32,12 @@ cv::Mat White(const PlenopticCamera& camera) {
       camera, 0.3, [](double, double) { return 230; }, 0, true);
 }
 
-// The synthetic frames are those of pinhole micro lenses.
-LightFieldOptions PinholeOptions() {
-  LightFieldOptions options;
-  options.depth.systematic_error = 0;
-  return options;
-}
-
 class ProcessorOnPlanes : public ::testing::TestWithParam<double> {};
 
 TEST_P(ProcessorOnPlanes, InverseVirtualDepthIsUnbiasedAndTheImageIsTheTexture) {
   const double w = GetParam();
   const PlenopticCamera camera = SmallCamera();
-  LightFieldProcessor processor(camera, White(camera), PinholeOptions());
+  LightFieldProcessor processor(camera, White(camera), {});
   const LightFieldFrame frame =
       processor.Process(Frame(RenderPlane(camera, w, WavyTexture, 1.5, true)));
   std::vector<double> errors;

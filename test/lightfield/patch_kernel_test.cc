@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/lightfield/patch_kernel.h"
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -16,21 +17,26 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
   constexpr int kStride = 40;
   std::mt19937_64 generator = SeededGenerator(3, 0);
   std::uniform_real_distribution<float> uniform(0, 1);
-  std::vector<float> image(kStride * kStride), blurred(kStride * kStride);
+  HalfPixelImage image, blurred;
+  for (HalfPixelImage* filled : {&image, &blurred}) {
+    filled->Resize(kStride, kStride);
+    for (auto& row : filled->phase) {
+      for (ImageF& phase : row) {
+        std::generate_n(phase.data(), phase.size(), [&] { return 255 * uniform(generator); });
+      }
+    }
+  }
   std::vector<float> colours(kStride * kStride);
-  for (float& value : blurred) value = 255 * uniform(generator);
-  for (float& value : image) value = 255 * uniform(generator);
   for (float& colour : colours) colour = uniform(generator) < 0.8f ? 2.0f : 0.0f;
   for (int count = 2; count <= 6; ++count) {
     std::vector<PatchSample> samples;
     for (int k = 0; k < count; ++k) {
-      const int start = (2 + 3 * k) * kStride + 1 + 4 * k;
-      samples.push_back({image.data() + start,
-                         blurred.data() + start,
+      const float x = 1 + 4 * static_cast<float>(k) + uniform(generator);
+      const float y = 2 + 3 * static_cast<float>(k) + uniform(generator);
+      samples.push_back({image.At(x, y),
+                         blurred.At(x, y),
                          k % 2 == 0 ? 0.0f : uniform(generator),
-                         colours.data() + start,
-                         uniform(generator),
-                         uniform(generator),
+                         colours.data() + (2 + 3 * k) * kStride + 1 + 4 * k,
                          40 * uniform(generator) - 20,
                          40 * uniform(generator) - 20,
                          2});
@@ -49,9 +55,14 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
 
 TEST(PatchKernel, EqualPatchesCostNothing) {
   constexpr int kStride = 20;
-  std::vector<float> image(kStride * kStride), colours(kStride * kStride, 1);
-  for (size_t i = 0; i < image.size(); ++i) image[i] = static_cast<float>(i % kStride);
-  const PatchSample sample{image.data(), nullptr, 0, colours.data(), 0.25f, 0.5f, 3, 0, 1};
+  ImageF ramp(kStride, kStride);
+  for (int y = 0; y < kStride; ++y) {
+    for (int x = 0; x < kStride; ++x) ramp(x, y) = static_cast<float>(x);
+  }
+  HalfPixelImage image;
+  FilterHalfPixels(ramp, &image);
+  const std::vector<float> colours(kStride * kStride, 1);
+  const PatchSample sample{image.At(3.25f, 3.5f), {}, 0, colours.data(), 3, 0, 1};
   PatchSample other = sample;
   other.dx = -3;
   const PatchSample samples[] = {sample, other};
