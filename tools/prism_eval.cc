@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -36,15 +35,6 @@ DEFINE_string(plot_dir, "", "Write plots here as SVG and PNG");
 
 namespace prism {
 namespace {
-
-std::vector<std::string> SplitAtCommas(const std::string& text) {
-  std::vector<std::string> parts;
-  std::stringstream stream(text);
-  for (std::string part; std::getline(stream, part, ',');) {
-    if (!part.empty()) parts.push_back(part);
-  }
-  return parts;
-}
 
 TrajectoryReadOptions ReadOptionsFromFlags() {
   TrajectoryReadOptions options;

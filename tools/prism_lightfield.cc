@@ -135,9 +135,7 @@ nlohmann::json ReprojectionToJson(const LightFieldProcessor& processor,
 }
 
 void AddTruth(int frame, const LightFieldFrame& result, DepthAccuracyEvaluator* evaluator) {
-  char name[32];
-  std::snprintf(name, sizeof(name), "%06d.png", frame);
-  const std::filesystem::path path = std::filesystem::path(FLAGS_truth) / name;
+  const std::filesystem::path path = std::filesystem::path(FLAGS_truth) / FrameFileName(frame);
   if (!std::filesystem::exists(path)) return;
   const ImageF& depth = result.inverse_virtual_depth;
   evaluator->Add(

@@ -33,8 +33,7 @@ void RgbdWriter::Write(int64_t time_ns, const PinholeFrame& frame) {
       depth.at<uint16_t>(y, x) = value <= 65535 ? static_cast<uint16_t>(value) : 0;
     }
   }
-  char name[32];
-  std::snprintf(name, sizeof(name), "%06d.png", count_++);
+  const std::string name = FrameFileName(count_++);
   const std::filesystem::path root(folder_);
   WriteImage((root / "rgb" / name).string(), gray);
   WriteImage((root / "depth" / name).string(), depth);

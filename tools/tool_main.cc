@@ -7,6 +7,7 @@
 #include <cstring>
 #include <initializer_list>
 #include <iostream>
+#include <sstream>
 #include <vector>
 
 #include <gflags/gflags.h>
@@ -75,6 +76,15 @@ std::map<std::string, std::string> EffectiveOptions() {
 
 void RequireFlag(const std::string& name, const std::string& value, const std::string& expected) {
   if (value.empty()) throw InputError("--" + name, "nothing", expected);
+}
+
+std::vector<std::string> SplitAtCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  std::stringstream stream(text);
+  for (std::string part; std::getline(stream, part, ',');) {
+    if (!part.empty()) parts.push_back(part);
+  }
+  return parts;
 }
 
 int RunTool(const ToolDescription& description,

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace prism {
 
@@ -33,5 +34,8 @@ std::map<std::string, std::string> EffectiveOptions();
 
 // Throws InputError("--name", "nothing", expected) if a required flag is empty.
 void RequireFlag(const std::string& name, const std::string& value, const std::string& expected);
+
+// The parts of a list flag; empty ones are left out.
+std::vector<std::string> SplitAtCommas(const std::string& text);
 
 }  // namespace prism

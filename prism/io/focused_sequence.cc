@@ -111,8 +111,7 @@ FocusedSequenceWriter::FocusedSequenceWriter(const std::string& folder)
 }
 
 void FocusedSequenceWriter::Write(const LightFieldFrame& frame) {
-  char name[32];
-  std::snprintf(name, sizeof(name), "%06d.png", count_++);
+  const std::string name = FrameFileName(count_++);
   const ImageF& image = frame.image[0];
   const cv::Mat view(
       image.height(), image.width(), CV_32FC1, const_cast<float*>(image.data()));  // NOLINT
@@ -129,6 +128,12 @@ void FocusedSequenceWriter::Write(const LightFieldFrame& frame) {
 
 void FocusedSequenceWriter::Finish() {
   WriteTextAtomically((std::filesystem::path(folder_) / "focused.txt").string(), list_);
+}
+
+std::string FrameFileName(int frame) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "%06d.png", frame);
+  return name;
 }
 
 std::string FormatTime(int64_t time_ns) {

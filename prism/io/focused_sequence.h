@@ -60,6 +60,9 @@ class FocusedSequenceWriter {
 // An inverse virtual depth PNG (Raytrix encoding), 0 = none. Errors as above.
 ImageF ReadInverseVirtualDepth(const std::string& path, int width, int height);
 
+// Name of the image of a frame by its number, "000012.png".
+std::string FrameFileName(int frame);
+
 // Decimal seconds with nanoseconds, as in list files.
 std::string FormatTime(int64_t time_ns);
 
