@@ -61,16 +61,54 @@ struct Range {
 
 bool IsFinite(const PlotPoint& point) { return std::isfinite(point.x) && std::isfinite(point.y); }
 
+// Half the length of the error bar of a point; 0: it has none.
+double ErrorOf(const PlotSeries& series, size_t point) {
+  if (series.y_errors.empty()) return 0;
+  const double error = series.y_errors.at(point);
+  return std::isfinite(error) ? error : 0;
+}
+
+// The part of a canvas that one plot is drawn on, with coordinates of its own.
+class Panel {
+ public:
+  Panel(PlotPoint origin, PlotCanvas* canvas) : origin_(origin), canvas_(canvas) {}
+
+  void Polyline(std::vector<PlotPoint> points, Color color, double width) const {
+    for (PlotPoint& point : points) point = Shifted(point);
+    canvas_->Polyline(points, color, width);
+  }
+  void Text(PlotPoint baseline,
+            const std::string& text,
+            TextAnchor anchor,
+            double size,
+            Color color,
+            bool vertical) const {
+    canvas_->Text(Shifted(baseline), text, anchor, size, color, vertical);
+  }
+
+ private:
+  PlotPoint Shifted(PlotPoint point) const { return {point.x + origin_.x, point.y + origin_.y}; }
+
+  PlotPoint origin_;
+  PlotCanvas* canvas_;
+};
+
 // From the data's units to the canvas.
 class Axes {
  public:
   explicit Axes(const Plot& plot) {
     for (const PlotSeries& series : plot.series) {
-      for (const PlotPoint& point : series.points) {
+      for (size_t i = 0; i < series.points.size(); ++i) {
+        const PlotPoint& point = series.points[i];
         if (!IsFinite(point)) continue;
         x_.Include(point.x);
-        y_.Include(point.y);
+        y_.Include(point.y - ErrorOf(series, i));
+        y_.Include(point.y + ErrorOf(series, i));
       }
+    }
+    if (!plot.x_categories.empty()) {
+      x_.Include(0);
+      x_.Include(static_cast<double>(plot.x_categories.size()) - 1);
     }
     if (plot.y_from_zero && y_.low <= y_.high) y_.Include(0);
     const bool starts_at_zero = plot.y_from_zero && y_.low == 0;
@@ -102,26 +140,42 @@ std::string TickLabel(double value) {
   return text;
 }
 
-void DrawFrame(const Plot& plot, const Axes& axes, PlotCanvas* canvas) {
+struct Tick {
+  double value;
+  std::string label;
+};
+
+std::vector<Tick> TicksOfX(const Plot& plot, const Axes& axes) {
+  std::vector<Tick> ticks;
+  for (const std::string& category : plot.x_categories) {
+    ticks.push_back({static_cast<double>(ticks.size()), category});
+  }
+  if (!ticks.empty()) return ticks;
+  for (const double x : AxisTicks(axes.x().low, axes.x().high, 8)) {
+    ticks.push_back({x, TickLabel(x)});
+  }
+  return ticks;
+}
+
+void DrawFrame(const Plot& plot, const Axes& axes, const Panel& panel) {
   const double bottom = kHeight - kBottom;
   const double right = kWidth - kRight;
-  for (const double x : AxisTicks(axes.x().low, axes.x().high, 8)) {
-    canvas->Polyline({{axes.X(x), kTop}, {axes.X(x), bottom}}, kGrid, 1);
-    const PlotPoint below{axes.X(x), bottom + 17};
-    canvas->Text(below, TickLabel(x), TextAnchor::kMiddle, kTextSize, kInk, false);
+  for (const Tick& tick : TicksOfX(plot, axes)) {
+    const double x = axes.X(tick.value);
+    panel.Polyline({{x, kTop}, {x, bottom}}, kGrid, 1);
+    panel.Text({x, bottom + 17}, tick.label, TextAnchor::kMiddle, kTextSize, kInk, false);
   }
   for (const double y : AxisTicks(axes.y().low, axes.y().high, 6)) {
-    canvas->Polyline({{kLeft, axes.Y(y)}, {right, axes.Y(y)}}, kGrid, 1);
+    panel.Polyline({{kLeft, axes.Y(y)}, {right, axes.Y(y)}}, kGrid, 1);
     const PlotPoint beside{kLeft - 6, axes.Y(y) + 4};
-    canvas->Text(beside, TickLabel(y), TextAnchor::kEnd, kTextSize, kInk, false);
+    panel.Text(beside, TickLabel(y), TextAnchor::kEnd, kTextSize, kInk, false);
   }
-  canvas->Polyline({{kLeft, kTop}, {kLeft, bottom}, {right, bottom}}, kInk, 1);
+  panel.Polyline({{kLeft, kTop}, {kLeft, bottom}, {right, bottom}}, kInk, 1);
   const double middle_x = (kLeft + right) / 2;
   const double middle_y = (kTop + bottom) / 2;
-  canvas->Text({middle_x, 24}, plot.title, TextAnchor::kMiddle, 16, kInk, false);
-  canvas->Text(
-      {middle_x, kHeight - 12.0}, plot.x_label, TextAnchor::kMiddle, kTextSize, kInk, false);
-  canvas->Text({18, middle_y}, plot.y_label, TextAnchor::kMiddle, kTextSize, kInk, true);
+  panel.Text({middle_x, 24}, plot.title, TextAnchor::kMiddle, 16, kInk, false);
+  panel.Text({middle_x, kHeight - 12.0}, plot.x_label, TextAnchor::kMiddle, kTextSize, kInk, false);
+  panel.Text({18, middle_y}, plot.y_label, TextAnchor::kMiddle, kTextSize, kInk, true);
 }
 
 // Points that follow each other in a column of half a pixel are one vertical stroke: the first, the
@@ -163,23 +217,39 @@ std::vector<PlotPoint> Thinned(const std::vector<PlotPoint>& line) {
   return thinned;
 }
 
-void DrawSeries(const PlotSeries& series, Color color, const Axes& axes, PlotCanvas* canvas) {
+void DrawErrorBars(const PlotSeries& series, Color color, const Axes& axes, const Panel& panel) {
+  constexpr double kCap = 4;  // half its width
+  for (size_t i = 0; i < series.points.size(); ++i) {
+    const double error = ErrorOf(series, i);
+    if (error == 0 || !IsFinite(series.points[i])) continue;
+    const double x = axes.X(series.points[i].x);
+    const double low = axes.Y(series.points[i].y - error);
+    const double high = axes.Y(series.points[i].y + error);
+    panel.Polyline({{x, low}, {x, high}}, color, 1.5);
+    for (const double y : {low, high}) {
+      panel.Polyline({{x - kCap, y}, {x + kCap, y}}, color, 1.5);
+    }
+  }
+}
+
+void DrawSeries(const PlotSeries& series, Color color, const Axes& axes, const Panel& panel) {
   const double width = series.is_reference ? 2.5 : 1.5;
   std::vector<PlotPoint> line;
   for (const PlotPoint& point : series.points) {
     if (IsFinite(point)) {
       line.push_back({axes.X(point.x), axes.Y(point.y)});
     } else {
-      canvas->Polyline(Thinned(line), color, width);
+      panel.Polyline(Thinned(line), color, width);
       line.clear();
     }
   }
-  canvas->Polyline(Thinned(line), color, width);
+  panel.Polyline(Thinned(line), color, width);
+  DrawErrorBars(series, color, axes, panel);
 }
 
-void Draw(const Plot& plot, PlotCanvas* canvas) {
+void Draw(const Plot& plot, const Panel& panel) {
   const Axes axes(plot);
-  DrawFrame(plot, axes, canvas);
+  DrawFrame(plot, axes, panel);
   std::vector<Color> colors;
   size_t next = 0;
   for (const PlotSeries& series : plot.series) {
@@ -188,7 +258,7 @@ void Draw(const Plot& plot, PlotCanvas* canvas) {
   for (const bool reference : {true, false}) {
     for (size_t i = 0; i < plot.series.size(); ++i) {
       if (plot.series[i].is_reference == reference) {
-        DrawSeries(plot.series[i], colors[i], axes, canvas);
+        DrawSeries(plot.series[i], colors[i], axes, panel);
       }
     }
   }
@@ -197,8 +267,8 @@ void Draw(const Plot& plot, PlotCanvas* canvas) {
   double y = plot.legend_at_bottom ? kHeight - kBottom - height + 6 : kTop + 16;
   for (size_t i = 0; i < plot.series.size(); ++i, y += kLine) {
     const double x = kWidth - kRight - 8;
-    canvas->Polyline({{x - 24, y - 4}, {x, y - 4}}, colors[i], 2.5);
-    canvas->Text({x - 30, y}, plot.series[i].label, TextAnchor::kEnd, kTextSize, colors[i], false);
+    panel.Polyline({{x - 24, y - 4}, {x, y - 4}}, colors[i], 2.5);
+    panel.Text({x - 30, y}, plot.series[i].label, TextAnchor::kEnd, kTextSize, colors[i], false);
   }
 }
 
@@ -224,10 +294,21 @@ std::vector<double> AxisTicks(double low, double high, int count) {
 }
 
 void WritePlot(const std::string& path_without_extension, const Plot& plot) {
-  const auto svg = MakeSvgCanvas(kWidth, kHeight);
-  const auto png = MakePngCanvas(kWidth, kHeight);
-  Draw(plot, svg.get());
-  Draw(plot, png.get());
+  WritePlotPage(path_without_extension, {plot}, 1);
+}
+
+void WritePlotPage(const std::string& path_without_extension,
+                   const std::vector<Plot>& plots,
+                   int columns) {
+  CHECK_GT(columns, 0);
+  const int rows = (static_cast<int>(plots.size()) + columns - 1) / columns;
+  const auto svg = MakeSvgCanvas(columns * kWidth, rows * kHeight);
+  const auto png = MakePngCanvas(columns * kWidth, rows * kHeight);
+  for (int i = 0; i < static_cast<int>(plots.size()); ++i) {
+    const PlotPoint origin{static_cast<double>(i % columns * kWidth),
+                           static_cast<double>(i / columns * kHeight)};
+    for (PlotCanvas* canvas : {svg.get(), png.get()}) Draw(plots[i], Panel(origin, canvas));
+  }
   svg->Save(path_without_extension + ".svg");
   png->Save(path_without_extension + ".png");
 }

@@ -79,6 +79,25 @@ TEST(Plot, WithoutPointsShowsEmptyAxes) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Plot, APageHoldsItsPlotsRowByRow) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "plot_page_test";
+  CreateDirectory(folder.string());
+  Plot plot{"Bars", "x", "y", {{"median", {{0, 1}, {1, 2}}}}};
+  plot.series[0].y_errors = {0.5, std::numeric_limits<double>::quiet_NaN()};
+  plot.x_categories = {"near", "far"};
+  WritePlotPage((folder / "page").string(), {plot, plot, plot}, 2);
+  EXPECT_EQ(cv::imread((folder / "page.png").string()).size(), cv::Size(3200, 2000));
+  const std::string svg = ReadTextFile((folder / "page.svg").string());
+  EXPECT_EQ(CountOf(svg, ">near</text>"), 3u);
+  EXPECT_EQ(CountOf(svg, "stroke=\"#0072b2\" stroke-width=\"1.5\""), 3 * 4u)
+      << "a line, a bar and its two caps";
+  for (const char* title : {"translate(427.5 24.0)", "translate(1227.5 24.0)"}) {
+    EXPECT_EQ(CountOf(svg, title), 1u) << title;
+  }
+  EXPECT_EQ(CountOf(svg, "translate(427.5 524.0)"), 1u);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Plot, AFolderThatIsNotThereIsBadInput) {
   EXPECT_THROW(WritePlot("/nowhere/plot", {}), InputError);
 }
