@@ -13,8 +13,12 @@ namespace prism {
 namespace {
 
 TEST(Version, IsToldByEveryProgram) {
-  for (const std::string name :
-       {"prism_bench", "prism_check_jacobians", "prism_eval", "prism_lightfield", "prism_vo"}) {
+  for (const std::string name : {"prism_bench",
+                                 "prism_check_jacobians",
+                                 "prism_depth_errors",
+                                 "prism_eval",
+                                 "prism_lightfield",
+                                 "prism_vo"}) {
     const ProgramResult result = RunProgram(name + " --version");
     EXPECT_EQ(result.exit_status, 0) << name;
     EXPECT_THAT(result.output,
