@@ -27,4 +27,13 @@ DefocusMatch::DefocusMatch(const std::vector<float>& focus, float defocus_varian
   }
 }
 
+int SelectViews(
+    const LensTable& lenses, const DefocusMatch& match, int max_count, int count, LensView* views) {
+  int selected = 0;
+  for (int k = 0; k < count && selected < max_count; ++k) {
+    if (match.Uses(lenses.lenses()[views[k].lens].type)) views[selected++] = views[k];
+  }
+  return selected;
+}
+
 }  // namespace prism

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "prism/lightfield/lens_table.h"
+
 namespace prism {
 
 // Which lens types of an array with several focal lengths are compared at 1/v = w, and how much
@@ -26,5 +28,13 @@ class DefocusMatch {
   static constexpr int kMaxTypes = 3;
   float blend_[kMaxTypes];
 };
+
+// Lenses that are compared when a depth is refined.
+inline constexpr int kMaxComparedViews = 10;
+
+// Moves those of `count` views (LensTable::ViewsOf) that are compared to the front, in their order:
+// of at most `max_count` lenses of types that `match` uses. Returns their number.
+int SelectViews(
+    const LensTable& lenses, const DefocusMatch& match, int max_count, int count, LensView* views);
 
 }  // namespace prism

@@ -24,7 +24,6 @@ constexpr float kMargin = kPatchRadius + 8;  // px: the kernel reads kPatchLanes
 constexpr int kMaxHypotheses = 64;
 constexpr float kLastStep = 0.003f;  // of 1/v: a Gauss-Newton step this small is the last
 constexpr int kMaxSearched = 5;      // lenses in the search, nearest to the chief ray first
-constexpr int kMaxRefined = 10;      // lenses in the refinement
 
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
 
@@ -40,16 +39,6 @@ float NoiseHessian(const Samples& samples, int count, const PatchSums& sums, flo
 
 bool Agree(float w, float sigma, float other_w, float other_sigma) {
   return std::abs(w - other_w) < 2 * (sigma + other_sigma);
-}
-
-// The views that are compared: of at most `max_count` lenses of types that `match` uses.
-int SelectViews(
-    const LensTable& lenses, const DefocusMatch& match, int max_count, int count, LensView* views) {
-  int selected = 0;
-  for (int k = 0; k < count && selected < max_count; ++k) {
-    if (match.Uses(lenses.lenses()[views[k].lens].type)) views[selected++] = views[k];
-  }
-  return selected;
 }
 
 // Points the samples at the patches around the views.
@@ -123,12 +112,13 @@ void DepthEstimator::MeasureTexture(const PreparedRaw& raw) {
   // Gaussian is 0.6745 of it.
   std::array<int, 1024> histogram{};
   int total = 0;
+  const ImageF& smooth = raw.smooth.phase[0][0];
   const int height = raw.gray.height();
   const int width = raw.gray.width();
   for (int y = 1; y < height - 1; y += 5) {
     for (int x = 1; x < width - 1; ++x) {
       if (raw.lens_colour(x, y) == 0) continue;
-      const float difference = std::abs(raw.gray(x, y) - raw.smooth.phase[0][0](x, y));
+      const float difference = std::abs(raw.gray(x, y) - smooth(x, y));
       if (difference == 0) continue;  // not filtered
       ++histogram[std::min(static_cast<int>(difference * 32), 1023)];
       ++total;
@@ -146,8 +136,8 @@ void DepthEstimator::MeasureTexture(const PreparedRaw& raw) {
     for (int bx = 0; bx < block_width_; ++bx) {
       int count = 0;
       for (int y = by * kBlock; y < std::min((by + 1) * kBlock, height - 1); ++y) {
-        const float* row = raw.smooth.phase[0][0].row(y);
-        const float* below = raw.smooth.phase[0][0].row(y + 1);
+        const float* row = smooth.row(y);
+        const float* below = smooth.row(y + 1);
         const float* colour = raw.lens_colour.row(y);
         for (int x = bx * kBlock; x < std::min((bx + 1) * kBlock, width - 1); ++x) {
           const float dx = row[x + 1] - row[x];
@@ -168,7 +158,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   const float noise = static_cast<float>(noise_) * kSmoothNoise;
   const DefocusMatch match(lenses_.focus_of_type(), lenses_.DefocusVariance(), w);
   const int seen = lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 1, kMargin, views);
-  const int count = SelectViews(lenses_, match, kMaxRefined, seen, views);
+  const int count = SelectViews(lenses_, match, kMaxComparedViews, seen, views);
   if (count < 2) return {};
   const float start = w;
   const float max_step = static_cast<float>(options_.search_step);

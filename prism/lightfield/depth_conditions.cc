@@ -11,6 +11,7 @@
 #include "prism/camera/projection.h"
 #include "prism/image/interpolation.h"
 #include "prism/lightfield/defocus_match.h"
+#include "prism/lightfield/patch_kernel.h"
 
 namespace prism {
 namespace {
@@ -18,9 +19,7 @@ namespace {
 constexpr double kEdge = 0.01;       // of 1/v between neighbours
 constexpr int kEdgeReach = 30;       // focused px
 constexpr int kSlantBaseline = 3;    // focused px to either side
-constexpr int kMaxViews = 10;        // as in DepthEstimator
 constexpr float kMargin = 4;         // raw px between views and the image border
-constexpr int kPatchRadius = 3;      // raw px
 constexpr int kMinPatchPixels = 25;  // of 49, fewer say nothing of a correlation
 constexpr double kLagStep = 0.5;     // raw px
 constexpr double kMinCorrelation = 0.5;
@@ -175,11 +174,7 @@ std::vector<LensView> ComparedViews(const LensTable& lenses,
                                   lenses.radius_px() - 1,
                                   kMargin,
                                   views);
-  std::vector<LensView> compared;
-  for (int k = 0; k < seen && compared.size() < kMaxViews; ++k) {
-    if (match.Uses(lenses.lenses()[views[k].lens].type)) compared.push_back(views[k]);
-  }
-  return compared;
+  return {views, views + SelectViews(lenses, match, kMaxComparedViews, seen, views)};
 }
 
 void MeasureViews(const LightFieldProcessor& processor,

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-
 #include "prism/image/image.h"
 
 namespace prism {
@@ -17,7 +15,6 @@ struct HalfPixelImage {
   static constexpr int kStepsPerPixel = 2;
   ImageF phase[kStepsPerPixel][kStepsPerPixel];
 
-  bool empty() const { return phase[0][0].empty(); }
   void Resize(int width, int height);
 
   // The four neighbours of a position and where between them it lies, in half pixels, [0, 1).
