@@ -14,6 +14,7 @@
 #include "prism/solver/linearize.h"
 #include "prism/solver/marginalize_blocks.h"
 #include "prism/solver/solve.h"
+#include "test/solver/linear_cost.h"
 
 namespace prism {
 namespace {
@@ -25,38 +26,6 @@ BlockKindPtr Kind(const std::string& name, int size, BlockLifetime lifetime) {
 const BlockKindPtr kPoint = Kind("point", 1, BlockLifetime::kPoint);
 const BlockKindPtr kKeyframe = Kind("keyframe", 3, BlockLifetime::kKeyframe);
 const BlockKindPtr kRun = Kind("offset", 2, BlockLifetime::kRun);
-
-// r = sum of J_k x_k + b.
-class LinearCost : public ceres::CostFunction {
- public:
-  LinearCost(int rows, const std::vector<int>& sizes, std::mt19937_64* generator) {
-    std::normal_distribution<double> normal;
-    set_num_residuals(rows);
-    *mutable_parameter_block_sizes() = sizes;
-    for (const int size : sizes) {
-      J_.emplace_back(rows, size);
-      for (Eigen::Index i = 0; i < J_.back().size(); ++i) J_.back().data()[i] = normal(*generator);
-    }
-    b_ = Eigen::VectorXd(rows);
-    for (Eigen::Index i = 0; i < rows; ++i) b_(i) = normal(*generator);
-  }
-  bool Evaluate(double const* const* parameters,
-                double* residuals,
-                double** jacobians) const override {
-    Eigen::VectorXd r = b_;
-    for (size_t k = 0; k < J_.size(); ++k) {
-      r += J_[k] * Eigen::Map<const Eigen::VectorXd>(parameters[k], J_[k].cols());
-      if (jacobians == nullptr || jacobians[k] == nullptr) continue;
-      std::copy_n(J_[k].data(), J_[k].size(), jacobians[k]);
-    }
-    std::copy_n(r.data(), r.size(), residuals);
-    return true;
-  }
-
- private:
-  std::vector<BlockKind::RowMajorMatrix> J_;
-  Eigen::VectorXd b_;
-};
 
 // Keyframes 0, 1, 2, an offset and four points: 0 and 1 of keyframe 0 (and tied to each other), 2
 // and 3 of keyframe 1.
