@@ -29,6 +29,19 @@ std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
   return points;
 }
 
+void PrintScale(const RunRecord& record) {
+  const std::optional<ScaleSummary> scale = SummarizeScale(record);
+  if (!scale) return;
+  std::printf("metric scale known to %.2f %% (1 sigma)", 100 * scale->sigma);
+  if (record.depth_offset_prior_sigma > 0) {
+    std::printf(", measured 1/v off by %.5f +- %.5f%s",
+                scale->depth_offset,
+                scale->depth_offset_sigma,
+                scale->is_offset_told ? "" : " (the scene does not tell it from the scale)");
+  }
+  std::printf("\n");
+}
+
 void PrintMetrics(const TrajectoryMetrics& metrics) {
   std::printf("ground truth: %d poses matched, ATE %.4f m (SE3)",
               metrics.matched_count,
@@ -82,6 +95,7 @@ void WriteRun(const std::string& folder,
       static_cast<double>(record.frames.size()) / record.wall_seconds,
       PeakResidentMib(),
       folder.c_str());
+  PrintScale(record);
   int poor = 0, not_solved = 0, disagreeing = 0;
   for (const FrameResult& frame : record.frames) {
     disagreeing += frame.status == FrameStatus::kDepthsDisagree;

@@ -21,6 +21,11 @@ nlohmann::ordered_json KeyframeToJson(const KeyframeResult& keyframe) {
                                  {"initial_cost", solve.initial_cost},
                                  {"final_cost", solve.final_cost},
                                  {"points_dropped", keyframe.outliers.points_dropped}};
+  if (const auto& known = keyframe.optimization.uncertainty) {
+    json["scale_sigma"] = known->scale_sigma;
+    json["depth_offset"] = known->depth_offset;
+    json["depth_offset_sigma"] = known->depth_offset_sigma;
+  }
   for (size_t i = 0; i < keyframe.optimization.terms.size(); ++i) {
     const TermSummary& term = keyframe.optimization.terms[i];
     json["terms"][term.name] = {{"factors", term.factors},
@@ -122,6 +127,23 @@ std::vector<int64_t> SegmentStarts(const std::vector<FrameResult>& frames) {
   return starts;
 }
 
+std::optional<ScaleSummary> SummarizeScale(const RunRecord& record) {
+  ScaleSummary summary;
+  double path = 0, weighted = 0;
+  for (const FrameResult& frame : record.frames) {
+    const auto& known = frame.keyframe.optimization.uncertainty;
+    if (!known) continue;
+    path += known->newest_step_m;
+    weighted += known->newest_step_m * known->scale_sigma;
+    summary.depth_offset = known->depth_offset;
+    summary.depth_offset_sigma = known->depth_offset_sigma;
+  }
+  if (!(path > 0)) return std::nullopt;
+  summary.sigma = weighted / path;
+  summary.is_offset_told = summary.depth_offset_sigma < 0.7 * record.depth_offset_prior_sigma;
+  return summary;
+}
+
 double PeakResidentMib() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -148,6 +170,16 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["variance_factors"] = MedianVarianceFactors(record.frames);  // by term
   json["intensity_sigma"] = record.intensity_sigma;
   json["depth_sigma_scale"] = record.depth_scale;
+  json["keyframe_depth_offset_sigma"] = record.keyframe_depth_offset_sigma;
+  if (const std::optional<ScaleSummary> scale = SummarizeScale(record)) {
+    json["scale_sigma"] = scale->sigma;
+    if (record.depth_offset_prior_sigma > 0) {
+      json["depth_offset"] = {{"value", scale->depth_offset},
+                              {"sigma", scale->depth_offset_sigma},
+                              {"prior_sigma", record.depth_offset_prior_sigma},
+                              {"is_told_by_scene", scale->is_offset_told}};
+    }
+  }
   json["segments"] = SegmentsToJson(record.frames);
   for (const auto& [stage, summary] : record.stages) {
     json["stages"][stage] = {{"count", summary.count},

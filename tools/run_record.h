@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,25 @@ struct RunRecord {
   Trajectory trajectory;  // of the tracked ones, as known at the end; times as in `frames`
   std::map<std::string, StageTimer::Summary> stages;
   double wall_seconds = 0;
-  double intensity_sigma = 0;  // photometric residuals are weighted by it, at the end
-  double depth_scale = 1;      // and measured 1/v by this times their stated sigma
+  double intensity_sigma = 0;              // photometric residuals are weighted by it, at the end
+  double depth_scale = 1;                  // and measured 1/v by this times their stated sigma
+  double keyframe_depth_offset_sigma = 0;  // NoiseModel::DepthOffsetSigma, at the end
+  double depth_offset_prior_sigma = 0;     // DepthOffsetTermOptions; 0: not estimated
 };
+
+// What a run knows of its metric scale.
+struct ScaleSummary {
+  // Relative standard deviation of the length of the whole path: the mean over the keyframes'
+  // windows, weighted by the length of the step that each of them added. As if the errors of all
+  // windows were one, which those of a lasting offset are.
+  double sigma = 0;
+  double depth_offset = 0;  // of the last window, 1/v
+  double depth_offset_sigma = 0;
+  // The scene told scale and offset of 1/v apart: sigma of the offset below 0.7 of its prior's.
+  bool is_offset_told = false;
+};
+// Nothing if no window was solved.
+std::optional<ScaleSummary> SummarizeScale(const RunRecord& record);
 
 int CountTracked(const std::vector<FrameResult>& frames);
 int CountKeyframes(const std::vector<FrameResult>& frames);

@@ -7,7 +7,7 @@
 namespace prism {
 
 bool DefaultTermOptions::IsValid(std::string* error) const {
-  return photometric.IsValid(error) && depth.IsValid(error);
+  return photometric.IsValid(error) && depth.IsValid(error) && depth_offset.IsValid(error);
 }
 
 TermList MakeDefaultTerms(const DefaultTermOptions& options) {
@@ -15,7 +15,12 @@ TermList MakeDefaultTerms(const DefaultTermOptions& options) {
   InverseVirtualDepthTermOptions depth = options.depth;
   if (!options.robust_loss) photometric.cauchy = depth.huber = 0;
   TermList terms = {std::make_shared<PhotometricTerm>(photometric)};
-  if (options.depth_residual) terms.push_back(std::make_shared<InverseVirtualDepthTerm>(depth));
+  if (options.depth_residual) {
+    terms.push_back(std::make_shared<InverseVirtualDepthTerm>(depth));
+    if (options.depth_offset.persistent || options.depth_offset.per_keyframe) {
+      terms.push_back(std::make_shared<DepthOffsetTerm>(options.depth_offset));
+    }
+  }
   terms.push_back(std::make_shared<StatePriorTerm>());
   terms.push_back(std::make_shared<MarginalizationPriorTerm>());
   return terms;

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "prism/factors/depth_offset_term.h"
 #include "prism/factors/inverse_virtual_depth_term.h"
 #include "prism/factors/photometric_term.h"
 #include "prism/factors/term.h"
@@ -14,6 +15,7 @@ namespace prism {
 struct DefaultTermOptions {
   PhotometricTermOptions photometric;
   InverseVirtualDepthTermOptions depth;
+  DepthOffsetTermOptions depth_offset;
   bool depth_residual = true;
   bool robust_loss = true;  // false: squares in all of them
 

@@ -4,13 +4,18 @@
 
 #include <glog/logging.h>
 
+#include "prism/factors/depth_offset_term.h"
+
 namespace prism {
 
 InverseVirtualDepthCost::InverseVirtualDepthCost(double w_measured,
                                                  double sigma,
+                                                 bool has_offset,
                                                  const PlenopticProjection* camera)
-    : w_measured_(w_measured), inverse_sigma_(1 / sigma), camera_(camera) {
+    : w_measured_(w_measured), inverse_sigma_(1 / sigma), has_offset_(has_offset), camera_(camera) {
   CHECK_GT(sigma, 0);
+  set_num_residuals(1);
+  mutable_parameter_block_sizes()->assign(has_offset ? 2 : 1, 1);
 }
 
 bool InverseVirtualDepthCost::Evaluate(double const* const* parameters,
@@ -18,10 +23,13 @@ bool InverseVirtualDepthCost::Evaluate(double const* const* parameters,
                                        double** jacobians) const {
   const double rho = parameters[0][0];
   const bool valid = rho * camera_->f < 1;
+  const double expected = w_measured_ - (has_offset_ ? parameters[1][0] : 0);
   double dw_drho = 0;
   residuals[0] =
-      valid ? (InverseVirtualDepth(*camera_, rho, &dw_drho) - w_measured_) * inverse_sigma_ : 0;
-  if (jacobians != nullptr && jacobians[0] != nullptr) jacobians[0][0] = dw_drho * inverse_sigma_;
+      valid ? (InverseVirtualDepth(*camera_, rho, &dw_drho) - expected) * inverse_sigma_ : 0;
+  if (jacobians == nullptr) return true;
+  if (jacobians[0] != nullptr) jacobians[0][0] = dw_drho * inverse_sigma_;
+  if (has_offset_ && jacobians[1] != nullptr) jacobians[1][0] = valid ? inverse_sigma_ : 0;
   return true;
 }
 
@@ -39,16 +47,20 @@ InverseVirtualDepthTerm::InverseVirtualDepthTerm(const InverseVirtualDepthTermOp
 }
 
 void InverseVirtualDepthTerm::AddPointFactors(const Window& window,
-                                              size_t /*host_index*/,
+                                              size_t host_index,
                                               const Point& point,
                                               int rho_block,
                                               WindowGraph* graph) const {
   if (!(point.w_sigma > 0)) return;
+  std::vector<int> blocks = {rho_block};
+  const int offset = DepthOffsetBlock(*graph, *window.keyframes[host_index]);
+  if (offset >= 0) blocks.push_back(offset);
   FactorGraph::NewFactor factor;
   factor.cost = std::make_unique<InverseVirtualDepthCost>(
-      point.w_measured, window.noise.DepthScale() * point.w_sigma, &window.camera);
+      point.w_measured, window.noise.DepthScale() * point.w_sigma, offset >= 0, &window.camera);
   factor.loss = loss_.get();
-  graph->AddFactor(std::move(factor), {rho_block});
+  factor.keeps_first_estimates = true;  // it is linear in the offset
+  graph->AddFactor(std::move(factor), blocks);
 }
 
 void InverseVirtualDepthTerm::Reject(const FactorGraph::Factor& /*factor*/,

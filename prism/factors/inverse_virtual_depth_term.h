@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include <ceres/sized_cost_function.h>
+#include <ceres/cost_function.h>
 
 #include "prism/camera/projection.h"
 #include "prism/factors/term.h"
@@ -13,15 +13,20 @@
 namespace prism {
 
 // Inverse virtual depth residual of one point in its host frame, Eq. (22) over its standard
-// deviation: r = (w(rho) - w_measured) / sigma with w = 1/v, the only residual that holds the
-// scale.
+// deviation: r = (w(rho) + offset - w_measured) / sigma with w = 1/v, the only residual that holds
+// the scale.
 //
-// Residuals: 1. Parameter block: metric inverse depth rho in 1/m (1). Jacobian: Eq. (87), last
-// line. Poses and brightness do not enter (Eqs. (26), (76)). A point at or inside the focal length
-// gives zero residual and Jacobian. Precondition: sigma > 0. `camera` must outlive the cost.
-class InverseVirtualDepthCost : public ceres::SizedCostFunction<1, 1> {
+// Residuals: 1. Parameter blocks: metric inverse depth rho in 1/m (1), and, if `has_offset`, the
+// offset that the depths of the host have in common (1; DepthOffsetTerm), which is 0 otherwise.
+// Jacobian: Eq. (87), last line. Poses and brightness do not enter (Eqs. (26), (76)). A point at or
+// inside the focal length gives zero residual and Jacobian. Precondition: sigma > 0. `camera` must
+// outlive the cost.
+class InverseVirtualDepthCost : public ceres::CostFunction {
  public:
-  InverseVirtualDepthCost(double w_measured, double sigma, const PlenopticProjection* camera);
+  InverseVirtualDepthCost(double w_measured,
+                          double sigma,
+                          bool has_offset,
+                          const PlenopticProjection* camera);
 
   bool Evaluate(double const* const* parameters,
                 double* residuals,
@@ -30,6 +35,7 @@ class InverseVirtualDepthCost : public ceres::SizedCostFunction<1, 1> {
  private:
   double w_measured_;
   double inverse_sigma_;
+  bool has_offset_;
   const PlenopticProjection* camera_;
 };
 

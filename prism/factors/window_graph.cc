@@ -41,6 +41,7 @@ void WindowGraph::AddFrameAndStateBlocks(const Window& window, const WindowGraph
   const auto first_estimate = [&](const auto& estimate) -> const double* {
     return options.first_estimates && estimate ? estimate->data() : nullptr;
   };
+  num_frames_ = static_cast<int>(window.keyframes.size());
   for (const auto& keyframe : window.keyframes) {
     AddBlock(FrameStateKind(!options.affine_brightness),
              keyframe->id,
@@ -73,9 +74,9 @@ int WindowGraph::FindBlock(const std::string& kind, int owner) const {
   return -1;
 }
 
-bool WindowGraph::TiesKeyframe(const Factor& factor) const {
+bool WindowGraph::TiesFrame(const Factor& factor) const {
   return std::any_of(BlocksOf(factor), BlocksOf(factor) + factor.num_blocks, [&](int block) {
-    return blocks()[block].kind->lifetime == BlockLifetime::kKeyframe;
+    return block < num_frames_;
   });
 }
 

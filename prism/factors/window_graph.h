@@ -35,9 +35,9 @@ class WindowGraph : public FactorGraph {
   // The block of a kind (by name) that belongs to `owner`; -1: there is none.
   int FindBlock(const std::string& kind, int owner = kRunOwner) const;
 
-  // Whether a factor ties what belongs to a keyframe: an observation, not a measurement of a point
-  // by itself.
-  bool TiesKeyframe(const Factor& factor) const;
+  // Whether a factor ties the state of a frame: an observation, not a measurement of a point by
+  // itself (which may have an offset of its keyframe in it).
+  bool TiesFrame(const Factor& factor) const;
 
   // Inverse depths are the blocks from here on, in the order of keyframes and their points.
   int FirstPointBlock() const { return first_point_block_; }
@@ -53,6 +53,7 @@ class WindowGraph : public FactorGraph {
   void MakePairs(const Window& window, const WindowGraphOptions& options);
 
   std::shared_ptr<PairTable> pairs_;
+  int num_frames_ = 0;
   int first_point_block_ = 0;
 };
 

@@ -111,7 +111,10 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
       match = Recover(options_.tracker.fit.recovered, camera_, window_, *frame, &tracker_);
     } else {
       match.tracking = tracker_.Track(
-          frame->image, frame->time_ns, window_.noise, MakeDepthCheck(window_.noise, *frame, 1));
+          frame->image,
+          frame->time_ns,
+          window_.noise,
+          MakeDepthCheck(window_.noise, *frame, PersistentDepthOffset(window_.newest()), 1));
       if (match.tracking.status == TrackingStatus::kGood) match.reference = &window_.newest();
     }
   }
@@ -243,6 +246,9 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
   if (result.status == KeyframeStatus::kGood) {
     window_.noise.ObserveWindow(result.optimization.VarianceFactor(PhotometricTerm::kName),
                                 result.optimization.VarianceFactor(InverseVirtualDepthTerm::kName));
+    if (result.optimization.uncertainty) {
+      window_.noise.ObserveDepthOffsets(result.optimization.uncertainty->keyframe_offset_square);
+    }
   }
   map_.RememberKeyframes(window_);
   {

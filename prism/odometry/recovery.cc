@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "prism/factors/depth_offset_term.h"
 #include "prism/tracking/depth_agreement.h"
 #include "prism/tracking/reference_points.h"
 
@@ -20,8 +21,11 @@ RecoveryResult Recover(const FitLimits& limits,
     trial.SetReference(
         MakeTrackingReference(camera, keyframe.frame->image, MakeReferencePoints(window, keyframe)),
         keyframe.state.pose() * window.newest().state.pose().Inverse());
-    result.tracking = trial.Track(
-        frame.image, frame.time_ns, window.noise, MakeDepthCheck(window.noise, frame, 0));
+    result.tracking =
+        trial.Track(frame.image,
+                    frame.time_ns,
+                    window.noise,
+                    MakeDepthCheck(window.noise, frame, PersistentDepthOffset(window.newest()), 0));
     if (result.tracking.status == TrackingStatus::kNoTexture) return result;
     if (result.tracking.status != TrackingStatus::kGood) continue;
     if (limits.AreMetBy(result.tracking.alignment.fit)) {

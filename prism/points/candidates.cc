@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "prism/factors/depth_offset_term.h"
+
 namespace prism {
 namespace {
 
@@ -77,9 +79,10 @@ bool MakeCandidate(const Window& window,
   candidate->w_measured = frame.inverse_virtual_depth(px.x(), px.y());
   candidate->w_sigma = frame.sigma(px.x(), px.y());
   if (candidate->w_sigma > 0) {
-    candidate->rho = std::max(InverseDepth(window.camera, candidate->w_measured), 1e-3);
-    candidate->rho_variance = InverseDepthVariance(
-        window.camera, candidate->w_measured, candidate->w_sigma * candidate->w_sigma);
+    const double w = candidate->w_measured - DepthOffset(host);
+    candidate->rho = std::max(InverseDepth(window.camera, w), 1e-3);
+    candidate->rho_variance =
+        InverseDepthVariance(window.camera, w, candidate->w_sigma * candidate->w_sigma);
   } else {
     candidate->rho = 0.5 * options.max_rho;
     const double sigma = 0.5 * options.max_rho / options.search_sigmas;

@@ -64,7 +64,7 @@ OutlierResult RemoveOutliers(const TermList& terms,
   const std::vector<bool> is_outlier = FindOutliers(*graph, terms);
   for (size_t i = 0; i < is_outlier.size(); ++i) {
     const FactorGraph::Factor& factor = graph->factors()[i];
-    const bool is_tie = graph->TiesKeyframe(factor);
+    const bool is_tie = graph->TiesFrame(factor);
     Point* tied = nullptr;
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int number = graph->BlocksOf(factor)[k] - graph->FirstPointBlock();

@@ -57,7 +57,7 @@ DepthRefiner::NormalEquation DepthRefiner::Evaluate(double rho) {
     equation.H += loss[1] * J.squaredNorm();
     equation.g += loss[1] * J.dot(r);
     equation.energy += loss[0];
-    if (!graph_.TiesKeyframe(factor)) continue;
+    if (!graph_.TiesFrame(factor)) continue;
     equation.squared_ties += loss[1] * s;
     equation.tie_residuals += static_cast<int>(r.size());
     ++equation.observations;

@@ -39,6 +39,14 @@ void NoiseModel::ObserveWindow(double photometric_variance_factor, double depth_
   follow(depth_variance_factor, 0.5, 2, &depth_scale_);
 }
 
+void NoiseModel::ObserveDepthOffsets(double expected_square) {
+  constexpr double kRate = 0.1;  // as above
+  if (!(expected_square > 0)) return;
+  const double ratio = expected_square / (depth_offset_sigma_ * depth_offset_sigma_);
+  depth_offset_sigma_ =
+      std::clamp(depth_offset_sigma_ * std::pow(ratio, 0.5 * kRate), 0.0001, 0.003);
+}
+
 double NoiseModel::Misfit() const {
   constexpr double kLeast = 1.25;
   return std::max(Quantile(misfits_, 0.5), kLeast);

@@ -20,9 +20,14 @@ class NoiseModel {
   double ResidualSigma() const;
   // Times the stated standard deviation of a measured 1/v, what it is worth in the window.
   double DepthScale() const { return depth_scale_; }
+  // Standard deviation of what the depths of one keyframe are off by in common, beside what all
+  // keyframes share; 1/v.
+  double DepthOffsetSigma() const { return depth_offset_sigma_; }
   // A posteriori variance factors of a window that fits: the two standard deviations follow them
   // slowly (variance components). Their ratio decides where translation ends up.
   void ObserveWindow(double photometric_variance_factor, double depth_variance_factor);
+  // What a window that fits tells of DepthOffsetSigma: the expected square; followed slowly.
+  void ObserveDepthOffsets(double expected_square);
 
   // What residuals of frames that fit really scatter by: StatedSigma() times the misfit, which is
   // the median over the last 30 frames that were told to Observe, and 1.25 at the least and before
@@ -46,6 +51,7 @@ class NoiseModel {
   double model_sigma_;
   double photometric_scale_ = 1;
   double depth_scale_ = 1;
+  double depth_offset_sigma_ = 0.0004;
   std::vector<double> misfits_;           // of the last frames
   std::vector<double> depth_agreements_;  // of the last frames
 };

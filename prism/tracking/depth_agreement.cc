@@ -9,7 +9,8 @@ namespace prism {
 
 std::optional<double> DepthAgreement(const TrackingReference& reference,
                                      const FrameAlignmentResult& alignment,
-                                     const LightFieldFrame& frame) {
+                                     const LightFieldFrame& frame,
+                                     double depth_offset) {
   constexpr int kMinMeasured = 30;
   constexpr double kMinSigma = 0.004;
   const RigidMotion motion(alignment.state.target_from_reference);
@@ -27,8 +28,8 @@ std::optional<double> DepthAgreement(const TrackingReference& reference,
     const double sigma = frame.sigma(x, y);
     if (sigma == 0) continue;
     ++measured;
-    agreeing +=
-        std::abs(frame.inverse_virtual_depth(x, y) - 1 / x_V.z()) < 3 * std::max(sigma, kMinSigma);
+    const double w = frame.inverse_virtual_depth(x, y) - depth_offset;
+    agreeing += std::abs(w - 1 / x_V.z()) < 3 * std::max(sigma, kMinSigma);
   }
   if (measured < kMinMeasured) return std::nullopt;
   return static_cast<double>(agreeing) / measured;
@@ -36,10 +37,12 @@ std::optional<double> DepthAgreement(const TrackingReference& reference,
 
 Tracker::DepthCheck MakeDepthCheck(const NoiseModel& noise,
                                    const LightFieldFrame& frame,
+                                   double depth_offset,
                                    double unknown) {
-  return [&noise, &frame, unknown](const TrackingReference& reference,
-                                   const FrameAlignmentResult& alignment) {
-    const std::optional<double> agreement = DepthAgreement(reference, alignment, frame);
+  return [&noise, &frame, depth_offset, unknown](const TrackingReference& reference,
+                                                 const FrameAlignmentResult& alignment) {
+    const std::optional<double> agreement =
+        DepthAgreement(reference, alignment, frame, depth_offset);
     return agreement ? *agreement / noise.UsualDepthAgreement() : unknown;
   };
 }

@@ -32,6 +32,7 @@ OptimizationResult OptimizeWindow(const WindowOptions& options,
         point->rho_sigma = known > 0 ? 1 / std::sqrt(known) : 0;
       }
     }
+    result.uncertainty = EvaluateUncertainty(*window, *graph);
   }
   for (size_t i = 0; i < terms.size(); ++i) {
     result.terms.push_back({terms[i]->name(), fit.terms[i].factors, fit.terms[i].variance_factor});

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "prism/factors/term.h"
 #include "prism/window/options.h"
+#include "prism/window/uncertainty.h"
 
 namespace prism {
 
@@ -22,7 +24,8 @@ struct TermSummary {
 
 struct OptimizationResult {
   SolveResult solve;
-  std::vector<TermSummary> terms;  // in the order of the terms
+  std::vector<TermSummary> terms;                // in the order of the terms
+  std::optional<WindowUncertainty> uncertainty;  // nothing: not solved, or not determined
 
   // Of the term of a name; 0 if there is none.
   double VarianceFactor(const std::string& term) const;

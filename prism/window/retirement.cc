@@ -50,7 +50,7 @@ bool IsSeenByNewestTwo(const Window& window, const Keyframe& host, const Point& 
 std::vector<bool> TiedPoints(const WindowGraph& graph) {
   std::vector<bool> is_tied(graph.blocks().size() - graph.FirstPointBlock(), false);
   for (const FactorGraph::Factor& factor : graph.factors()) {
-    if (!graph.TiesKeyframe(factor)) continue;
+    if (!graph.TiesFrame(factor)) continue;
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int point = graph.BlocksOf(factor)[k] - graph.FirstPointBlock();
       if (point >= 0) is_tied[point] = true;
