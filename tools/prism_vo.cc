@@ -60,15 +60,13 @@ DEFINE_double(photometric_model_sigma,
 DEFINE_bool(depth_residual,
             true,
             "Inverse virtual depth residuals; false is the ablation without.");
-DEFINE_bool(persistent_depth_offset,
-            true,
-            "A lasting offset of measured 1/v is estimated; false: there is none.");
 DEFINE_bool(keyframe_depth_offset,
             true,
             "An offset of each keyframe's 1/v is estimated; false: there is none.");
 DEFINE_double(depth_offset_sigma,
-              0.00015,
-              "Standard deviation of the lasting offset of 1/v before anything is measured.");
+              0,
+              "Standard deviation of a lasting offset of measured 1/v, which is then estimated; 0: "
+              "there is none.");
 DEFINE_bool(marginalization_prior,
             true,
             "Prior from what left the window; false: it is forgotten.");
@@ -102,7 +100,6 @@ OdometryOptions OptionsFromFlags() {
   options.window.solve.threads = FLAGS_threads;
   options.photometric_model_sigma = FLAGS_photometric_model_sigma;
   options.default_terms.depth_residual = FLAGS_depth_residual;
-  options.default_terms.depth_offset.persistent = FLAGS_persistent_depth_offset;
   options.default_terms.depth_offset.per_keyframe = FLAGS_keyframe_depth_offset;
   options.default_terms.depth_offset.prior_sigma = FLAGS_depth_offset_sigma;
   options.window.marginalization_prior = FLAGS_marginalization_prior;
@@ -193,7 +190,7 @@ ExitStatus Run() {
   record.intensity_sigma = odometry.window().noise.ResidualSigma();
   record.depth_scale = odometry.window().noise.DepthScale();
   record.keyframe_depth_offset_sigma = odometry.window().noise.DepthOffsetSigma();
-  if (FLAGS_persistent_depth_offset) record.depth_offset_prior_sigma = FLAGS_depth_offset_sigma;
+  record.depth_offset_prior_sigma = FLAGS_depth_offset_sigma;
 
   WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order());
   if (!groundtruth.empty()) WriteMetrics(FLAGS_output_dir, record, odometry, groundtruth);

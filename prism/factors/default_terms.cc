@@ -17,7 +17,7 @@ TermList MakeDefaultTerms(const DefaultTermOptions& options) {
   TermList terms = {std::make_shared<PhotometricTerm>(photometric)};
   if (options.depth_residual) {
     terms.push_back(std::make_shared<InverseVirtualDepthTerm>(depth));
-    if (options.depth_offset.persistent || options.depth_offset.per_keyframe) {
+    if (options.depth_offset.has_persistent() || options.depth_offset.per_keyframe) {
       terms.push_back(std::make_shared<DepthOffsetTerm>(options.depth_offset));
     }
   }

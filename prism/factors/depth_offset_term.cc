@@ -35,8 +35,10 @@ void AddDifference(const std::vector<int>& blocks, double sigma, WindowGraph* gr
 }  // namespace
 
 bool DepthOffsetTermOptions::IsValid(std::string* error) const {
-  if (prior_sigma > 0 && step_sigma > 0) return true;
-  *error = "offsets of measured depths need positive standard deviations";
+  if (prior_sigma >= 0 && step_sigma > 0) return true;
+  *error =
+      "offsets of measured depths need a prior's standard deviation of 0 or more and a positive "
+      "step";
   return false;
 }
 
@@ -67,12 +69,12 @@ DepthOffsetTerm::DepthOffsetTerm(const DepthOffsetTermOptions& options) : option
 void DepthOffsetTerm::AddStates(Window* window) const {
   static const BlockKindPtr offset = MakeKind(kOffset), persistent = MakeKind(kPersistent);
   const auto& keyframes = window->keyframes;
-  const double expected = keyframes.size() > 1 && options_.persistent
+  const double expected = keyframes.size() > 1 && options_.has_persistent()
                               ? PersistentDepthOffset(*keyframes[keyframes.size() - 2])
                               : 0;
   auto& states = window->newest().states;
   states.push_back(MakeState(offset, expected));
-  if (!options_.persistent) return;
+  if (!options_.has_persistent()) return;
   if (options_.per_keyframe) states.push_back(MakeState(persistent, expected));
   if (keyframes.size() == 1) {
     states.back().prior_mean = Eigen::VectorXd::Zero(1);
@@ -89,13 +91,13 @@ void DepthOffsetTerm::AddFactors(const Window& window, WindowGraph* graph) const
   for (const auto& keyframe : window.keyframes) {
     if (DepthOffsetBlock(*graph, *keyframe) < 0) continue;  // it came without AddStates
     // Where keyframes between have left, the prior ties what is left of the walk.
-    if (options_.persistent && before != nullptr && before->id + 1 == keyframe->id) {
+    if (options_.has_persistent() && before != nullptr && before->id + 1 == keyframe->id) {
       AddDifference(
           {block(lasting, *before), block(lasting, *keyframe)}, options_.step_sigma, graph);
     }
     if (options_.per_keyframe) {
       std::vector<int> blocks = {DepthOffsetBlock(*graph, *keyframe)};
-      if (options_.persistent) blocks.insert(blocks.begin(), block(kPersistent, *keyframe));
+      if (options_.has_persistent()) blocks.insert(blocks.begin(), block(kPersistent, *keyframe));
       AddDifference(blocks, window.noise.DepthOffsetSigma(), graph);
     }
     before = keyframe.get();

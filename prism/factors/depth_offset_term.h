@@ -20,12 +20,14 @@ namespace prism {
 //   "depth offset"             delta + delta_k, what its depths are off by (DepthOffset)
 //   "persistent depth offset"  delta at that keyframe (where both parts are asked for)
 struct DepthOffsetTermOptions {
-  bool persistent = true;    // false: delta is 0 (ablation)
   bool per_keyframe = true;  // false: delta_k is 0 (ablation)
-  // Standard deviations of delta before anything is measured, and of its step between keyframes.
+  // Standard deviations of delta before anything is measured (0: it is 0, as errors that depend on
+  // distance pass for it, docs/depth.md), and of its step between keyframes.
   // That of delta_k is NoiseModel::DepthOffsetSigma.
-  double prior_sigma = 0.00015;
+  double prior_sigma = 0;
   double step_sigma = 0.0001;
+
+  bool has_persistent() const { return prior_sigma > 0; }
 
   bool IsValid(std::string* error) const;
 };

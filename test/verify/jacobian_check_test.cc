@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/verify/jacobian_check.h"
 
+#include <ceres/sized_cost_function.h>
 #include <gtest/gtest.h>
 
 #include "prism/factors/default_terms.h"

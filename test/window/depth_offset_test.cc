@@ -89,7 +89,7 @@ TEST(DepthOffset, StatedUncertaintyHolds) {
 
 TEST(DepthOffset, WithoutItTheStatedUncertaintyOfAShiftedSensorDoesNotHold) {
   DefaultTermOptions options;
-  options.depth_offset.persistent = options.depth_offset.per_keyframe = false;
+  options.depth_offset.per_keyframe = false;
   const TermList terms = MakeDefaultTerms(options);
   Window window = MakeShiftedWindow(0.003, 0, terms);
   const double truth = PathLength(window);
