@@ -69,9 +69,11 @@ double CostOfRaising(const prism::LinearPrior& prior, double metres) {
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(prior.A.cols());
   Eigen::Index column = 0;
   for (const prism::LinearPrior::Block& block : prior.blocks) {
-    // cam_from_world moves by exp(delta) on the left, translation first.
-    const SE3 cam_from_world(block.linearization.data());
-    delta.segment<3>(column) = -metres * (cam_from_world.RotationMatrix() * kUp);
+    if (block.kind->name == "frame state") {
+      // cam_from_world moves by exp(delta) on the left, translation first.
+      const SE3 cam_from_world(block.linearization.data());
+      delta.segment<3>(column) = -metres * (cam_from_world.RotationMatrix() * kUp);
+    }
     column += block.kind->TangentSize();
   }
   return (prior.A * delta).norm();
