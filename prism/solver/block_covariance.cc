@@ -19,10 +19,6 @@ struct NormalEquations {
   Eigen::MatrixXd coupling;  // columns of blocks x points
 };
 
-bool IsPoint(const FactorGraph::Block& block) {
-  return block.kind->lifetime == BlockLifetime::kPoint;
-}
-
 void AddFactor(const FactorGraph& graph,
                const FactorGraph::Factor& factor,
                const std::vector<Eigen::Index>& column,
@@ -79,7 +75,7 @@ std::optional<BlockCovariance> EvaluateBlockCovariance(const FactorGraph& graph)
   for (size_t i = 0; i < num_blocks; ++i) {
     const FactorGraph::Block& block = graph.blocks()[i];
     if (block.is_constant) continue;
-    if (IsPoint(block)) {
+    if (block.IsPoint()) {
       CHECK_EQ(block.kind->TangentSize(), 1);
       point_number[i] = num_points++;
     } else {

@@ -28,6 +28,8 @@ class FactorGraph {
     const double* first_estimate = nullptr;  // null: Jacobians are evaluated at the values
     bool is_constant = false;
     int offset = 0;  // of the values in the graph's storage
+
+    bool IsPoint() const { return kind->lifetime == BlockLifetime::kPoint; }
   };
 
   // A factor as it is added.

@@ -15,10 +15,6 @@ namespace {
 
 using FactorList = std::vector<const FactorGraph::Factor*>;
 
-bool IsPoint(const FactorGraph::Block& block) {
-  return block.kind->lifetime == BlockLifetime::kPoint;
-}
-
 // Which factors go into the prior.
 FactorList SelectFactors(const FactorGraph& graph, const std::vector<bool>& is_leaving) {
   FactorList selected;
@@ -28,7 +24,7 @@ FactorList SelectFactors(const FactorGraph& graph, const std::vector<bool>& is_l
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int block = graph.BlocksOf(factor)[k];
       ties_leaving |= is_leaving[block];
-      ties_staying_point |= IsPoint(graph.blocks()[block]) && !is_leaving[block];
+      ties_staying_point |= graph.blocks()[block].IsPoint() && !is_leaving[block];
     }
     if (ties_leaving && !ties_staying_point) selected.push_back(&factor);
   }
@@ -64,7 +60,7 @@ class PriorBuilder {
     int size = 0;
     for (size_t i = 0; i < graph.blocks().size(); ++i) {
       const FactorGraph::Block& block = graph.blocks()[i];
-      if (!is_touched[i] || IsPoint(block)) continue;
+      if (!is_touched[i] || block.IsPoint()) continue;
       column_[i] = size;
       blocks_.push_back(static_cast<int>(i));
       size += block.kind->TangentSize();
@@ -88,7 +84,7 @@ class PriorBuilder {
       rows += factor->cost->num_residuals();
       for (int k = 0; k < factor->num_blocks; ++k) {
         const int i = graph_.BlocksOf(*factor)[k];
-        if (IsPoint(graph_.blocks()[i])) point_column[i] = 0;
+        if (graph_.blocks()[i].IsPoint()) point_column[i] = 0;
       }
     }
     const Eigen::Index size = system_.b.size();
@@ -168,14 +164,14 @@ BlockMarginalization MarginalizeBlocks(const FactorGraph& graph, const std::vect
   const auto first_point = [&](const FactorGraph::Factor& factor) {
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int block = graph.BlocksOf(factor)[k];
-      if (IsPoint(graph.blocks()[block])) return block;
+      if (graph.blocks()[block].IsPoint()) return block;
     }
     return -1;
   };
   for (const FactorGraph::Factor* factor : selected) {
     for (int k = 0; k < factor->num_blocks; ++k) {
       const int block = graph.BlocksOf(*factor)[k];
-      if (IsPoint(graph.blocks()[block])) groups.Join(first_point(*factor), block);
+      if (graph.blocks()[block].IsPoint()) groups.Join(first_point(*factor), block);
     }
   }
   std::map<int, FactorList> by_group;

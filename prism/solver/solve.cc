@@ -41,7 +41,7 @@ ceres::Problem::Options ProblemOptions(ceres::EvaluationCallback* callback) {
 std::vector<bool> EliminatedFirst(const FactorGraph& graph) {
   std::vector<bool> is_first;
   for (const FactorGraph::Block& block : graph.blocks()) {
-    is_first.push_back(block.kind->lifetime == BlockLifetime::kPoint);
+    is_first.push_back(block.IsPoint());
   }
   for (const FactorGraph::Factor& factor : graph.factors()) {
     bool has_one = false;
@@ -77,7 +77,7 @@ SolveResult Solve(const SolveOptions& options, FactorGraph* graph) {
     if (blocks[i].is_constant) problem.SetParameterBlockConstant(graph->values(i));
   };
   for (size_t i = 0; i < blocks.size(); ++i) {
-    if (blocks[i].kind->lifetime == BlockLifetime::kPoint) continue;
+    if (blocks[i].IsPoint()) continue;
     add_block(static_cast<int>(i));
     ordering->AddElementToGroup(graph->values(static_cast<int>(i)), 1);
   }
@@ -90,7 +90,7 @@ SolveResult Solve(const SolveOptions& options, FactorGraph* graph) {
     for (int k = 0; k < factor.num_blocks; ++k) {
       const int i = graph->BlocksOf(factor)[k];
       parameters.push_back(graph->values(i));
-      if (blocks[i].kind->lifetime == BlockLifetime::kPoint && !has_factor[i]) {
+      if (blocks[i].IsPoint() && !has_factor[i]) {
         add_block(i);
         ordering->AddElementToGroup(graph->values(i), is_first[i] ? 0 : 1);
       }

@@ -29,9 +29,9 @@ Eigen::VectorXd PathGradient(const Window& window,
     };
     const Eigen::Vector3d step = centre(i) - centre(i - 1);
     const double length = step.norm();
-    if (!(length > 0)) continue;
     result->path_m += length;
     result->newest_step_m = length;
+    if (!(length > 0)) continue;
     add(i, step / length);
     add(i - 1, -step / length);
   }

@@ -101,12 +101,9 @@ SyntheticOptions SmallWindow() {
 // Keyframes come into the window one by one, as they do in a run.
 Window MakeWindowWithStates(const TermList& terms) {
   Window window = MakeSyntheticWindow(SmallWindow());
-  auto keyframes = std::move(window.keyframes);
-  window.keyframes.clear();
-  for (auto& keyframe : keyframes) {
-    window.keyframes.push_back(std::move(keyframe));
-    for (const auto& term : terms) term->AddStates(&window);
-  }
+  ReplayKeyframes(&window, [&](Window* w) {
+    for (const auto& term : terms) term->AddStates(w);
+  });
   return window;
 }
 

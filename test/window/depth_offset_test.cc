@@ -41,14 +41,11 @@ Window MakeShiftedWindow(double offset, unsigned seed, const TermList& terms) {
   options.seed = seed;
   Window window = MakeSyntheticWindow(options);
   window.noise = NoiseModel(options.image_noise, 0);
-  auto keyframes = std::move(window.keyframes);
-  window.keyframes.clear();
-  for (auto& keyframe : keyframes) {
-    for (const auto& point : keyframe->points) point->w_measured += offset;
-    window.keyframes.push_back(std::move(keyframe));
-    if (window.keyframes.size() == 1) AnchorFirstKeyframe(&window);
-    for (const auto& term : terms) term->AddStates(&window);
-  }
+  ReplayKeyframes(&window, [&](Window* w) {
+    for (const auto& point : w->newest().points) point->w_measured += offset;
+    if (w->keyframes.size() == 1) AnchorFirstKeyframe(w);
+    for (const auto& term : terms) term->AddStates(w);
+  });
   return window;
 }
 

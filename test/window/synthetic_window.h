@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "prism/base/random.h"
 #include "prism/camera/projection.h"
@@ -114,6 +115,18 @@ inline Window MakeSyntheticWindow(const SyntheticOptions& options) {
     host.points.push_back(std::move(point));
   }
   return window;
+}
+
+// Takes the keyframes out of the window and brings them back one by one, as they come in a run;
+// `came` is called with each as the newest.
+template <typename Came>
+void ReplayKeyframes(Window* window, const Came& came) {
+  auto keyframes = std::move(window->keyframes);
+  window->keyframes.clear();
+  for (auto& keyframe : keyframes) {
+    window->keyframes.push_back(std::move(keyframe));
+    came(window);
+  }
 }
 
 // Moves poses (all but the oldest), brightness and depths off their true values.
