@@ -116,13 +116,20 @@ uint64_t PixelIndex(int x, int y) {
 
 cv::Vec3f Bgr(const Rgb& rgb) { return {rgb[2], rgb[1], rgb[0]}; }
 
-// Side of the square on a surface at depth z that one of a pixel's samples stands for, m: its share
-// of the pixel widened by the micro lens' defocus. Filtering by it keeps blurred textures smooth
-// with few samples.
+// A pixel's n samples see a surface each through a filter, the texture's pyramid. What they see
+// together has the variance of the pixel and of the micro lens' spot if the filters have a share of
+// it and the samples spread over the rest. With a share of 2 / n the filters overlap, and few
+// samples make little noise.
+double FilterShare(int samples) { return std::min(1.0, 2.0 / samples); }
+
+// Side of the square on a surface at depth z that a sample stands for, m. A trilinear
+// pyramid looked up with a footprint has the variance of a box and of linear interpolation, 1/12
+// and 1/6 of the footprint squared; between two levels up to a quarter more, 16 % in the mean.
 float SampleFootprint(const PlenopticOptics& optics, int type, double z, int samples) {
-  constexpr double kOverlap = 1.25;  // neighbouring samples overlap a little
+  constexpr double kPyramidVariance = 1.16 * (1.0 / 12 + 1.0 / 6);
   const double spot = optics.SpotDiameterAtDepth(type, z);
-  return static_cast<float>(kOverlap * std::sqrt((1 + spot * spot) / samples) *
+  const double variance = 1.0 / 12 + spot * spot / 16;  // raw px^2, in x and in y
+  return static_cast<float>(std::sqrt(variance * FilterShare(samples) / kPyramidVariance) *
                             optics.Footprint(z));
 }
 
@@ -154,13 +161,16 @@ Rgb MeanRadiance(const RayCaster& caster,
     num_cast += in_packet;
     in_packet = 0;
   };
+  const double spread = std::sqrt(1 - FilterShare(options.samples));
   const int max_tries = std::max(options.samples, kMaxTries);
   for (int i = 0; i < max_tries && num_cast + in_packet < options.samples; ++i) {
     const Sample sample = sequence.Next();
+    // At the rim of a micro image only what lies beyond the spread may be open.
+    const double reach = i < options.samples ? spread : 1;
     PlenopticOptics::Ray ray;
-    if (!optics.Trace({x + sample[0] - 0.5, y + sample[1] - 0.5},
+    if (!optics.Trace({x + reach * (sample[0] - 0.5), y + reach * (sample[1] - 0.5)},
                       lens,
-                      UnitDisc(sample[2], sample[3]),
+                      reach * UnitDisc(sample[2], sample[3]),
                       &ray)) {
       continue;
     }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <Eigen/Cholesky>
 #include <opencv2/core.hpp>
 
 #include "prism/sim/sensor.h"
@@ -85,6 +86,67 @@ TEST(RenderTest, DoesNotDependOnTheNumberOfThreadsButOnTheSeed) {
   EXPECT_EQ(cv::norm(one, render(2), cv::NORM_INF), 0);
   options.seed = 2;
   EXPECT_GT(cv::norm(one, render(2), cv::NORM_INF), 0);
+}
+
+// The contrast that is left of a sine pattern says the variance of the blur.
+TEST(RenderTest, BlursByThePixelAndTheSpotOfTheMicroLensWhateverTheNumberOfSamples) {
+  constexpr double kDepth = 2;          // m
+  constexpr int kTexelsAPixel = 8;      // texture texels a raw px
+  constexpr int kTexels = 1024;         // a side of the texture
+  constexpr int kPeriod = 8;            // raw px
+  constexpr double kMaxRadius = 4;      // raw px from the micro-image centre: not shaded
+  constexpr double kAmplitude = 100.0;  // of 255
+  const PlenopticCamera camera = SmallCamera();
+  const PlenopticOptics optics(camera, OpticsOptions());
+  cv::Mat sine(kTexels, kTexels, CV_8UC1);
+  for (int x = 0; x < kTexels; ++x) {
+    const double phase = 2 * M_PI * (x + 0.5) / (kPeriod * kTexelsAPixel);
+    sine.col(x).setTo(std::lround(127.5 + kAmplitude * std::sin(phase)));
+  }
+  SimScene scene;
+  scene.textures.emplace_back(sine);
+  scene.meshes.emplace_back();
+  const double pixel_m = optics.Footprint(kDepth);
+  SurfaceStyle style;
+  style.texture_size.setConstant(kTexels * pixel_m / kTexelsAPixel);
+  AddQuad({-2, -2, kDepth}, {4, 0, 0}, {0, 4, 0}, style, &scene.meshes[0]);
+  const RayCaster caster(scene);
+  const cv::Mat white = RenderWhite(optics);
+  const MicroLensGrid& grid = *camera.micro_lens_grid;
+  for (const int samples : {1, 4, 16}) {
+    RenderOptions options;
+    options.samples = samples;
+    const cv::Mat raw = RenderRaw(caster, optics, white, {SE3()}, options, 0);
+    for (int type = 0; type < 3; ++type) {
+      Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+      for (int y = 20; y < raw.rows - 20; ++y) {
+        for (int x = 20; x < raw.cols - 20; ++x) {
+          const Eigen::Vector2d pixel(x, y);
+          const auto lens = optics.LensOf(pixel);
+          const LensIndex index = grid.NearestLens(pixel, raw.cols, raw.rows);
+          const Eigen::Vector2d center = grid.MicroImageCenter(index, raw.cols, raw.rows);
+          PlenopticOptics::Ray ray;
+          if (lens.type != type || (pixel - center).norm() > kMaxRadius ||
+              !optics.Trace(pixel, lens, {0, 0}, &ray)) {
+            continue;
+          }
+          const double at = ray.origin_xy.x() + kDepth * ray.direction_xy.x();
+          const double phase = 2 * M_PI * (at + 2) / (kPeriod * pixel_m);
+          const Eigen::Vector3d model(1, std::cos(phase), std::sin(phase));
+          normal += model * model.transpose();
+          moment += model * raw.at<cv::Vec3f>(y, x)[0] / white.at<float>(y, x);
+        }
+      }
+      const Eigen::Vector3d fit = normal.ldlt().solve(moment);
+      const double contrast = fit.tail<2>().norm() * 255 / kAmplitude;
+      const double frequency = 2 * M_PI / kPeriod;
+      const double variance = -2 * std::log(contrast) / (frequency * frequency);
+      const double spot = optics.SpotDiameterAtDepth(type, kDepth);
+      const double expected = 1.0 / 12 + spot * spot / 16;
+      EXPECT_NEAR(variance, expected, 0.1 * expected) << samples << " samples, type " << type;
+    }
+  }
 }
 
 TEST(RenderTest, MotionDuringTheExposureBlurs) {
