@@ -23,6 +23,7 @@ constexpr float kGradientNoise = 0.115f;
 constexpr float kMargin = kPatchRadius + 8;  // px: the kernel reads kPatchLanes + 1 pixels a row
 constexpr int kMaxHypotheses = 64;
 constexpr float kLastStep = 0.003f;  // of 1/v: a Gauss-Newton step this small is the last
+constexpr float kMaskReach = 0.01f;  // of 1/v: a quarter of a pixel between neighbouring lenses
 constexpr int kMaxSearched = 5;      // lenses in the search, nearest to the chief ray first
 
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
@@ -35,6 +36,19 @@ float NoiseHessian(const Samples& samples, int count, const PatchSums& sums, flo
     baseline += samples[k].dx * samples[k].dx + samples[k].dy * samples[k].dy;
   }
   return kGradientNoise * noise * noise * sums.freedom * baseline / static_cast<float>(count);
+}
+
+// What noise alone adds to PatchSums::gradient: the gain makes its variance grow towards the rim of
+// a micro image, and the patches would go where there is less. The variance of shot noise is
+// proportional to the gain.
+float NoiseGradient(const PreparedRaw& raw, const LensView* views, int count, float smooth_noise) {
+  float sum = 0;
+  for (int k = 0; k < count; ++k) {
+    const int x = static_cast<int>(std::lround(views[k].x));
+    const int y = static_cast<int>(std::lround(views[k].y));
+    sum += raw.gain_slope_x(x, y) * views[k].dx + raw.gain_slope_y(x, y) * views[k].dy;
+  }
+  return 0.5f * smooth_noise * smooth_noise * sum * (1 - 1 / static_cast<float>(count));
 }
 
 bool Agree(float w, float sigma, float other_w, float other_sigma) {
@@ -162,15 +176,23 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   if (count < 2) return {};
   const float start = w;
   const float max_step = static_cast<float>(options_.search_step);
+  const float* colours[LensTable::kMaxViews];
   PatchSums sums{};
   float cost = 0;
   for (int iteration = 1;; ++iteration) {
     PlaceSamples(raw, lenses_, match, views, count, samples.data());
+    for (int k = 0; k < count; ++k) {
+      // The mask stays where it was: patches that move outwards would lose samples at the rim, and
+      // an estimate too large would be dropped more often than one too small.
+      if (iteration == 1) colours[k] = samples[k].colours;
+      samples[k].colours = colours[k];
+    }
     sums = SumPatches(samples.data(), count, raw.gray.width());
     if (!(sums.hessian > 0)) return {};
+    sums.gradient -= NoiseGradient(raw, views, count, noise);
     const float step = std::clamp(-sums.gradient / sums.hessian, -max_step, max_step);
     w += step;
-    if (std::abs(w - start) > 2 * max_step) return {};
+    if (std::abs(w - start) > kMaskReach) return {};
     // What is left after a step as small as this is its quadratic model's.
     cost = sums.cost + step * (2 * sums.gradient + step * sums.hessian);
     if (std::abs(step) < kLastStep) break;
@@ -254,7 +276,13 @@ DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X
     if (std::abs(h - best) <= 2 || cost[h] > 1e29f) continue;
     if (freedom[h] * (cost[h] - cost[best]) < ambiguity * scale) return {};
   }
-  return Refine(raw, X, Y, min_w + step * static_cast<float>(best), 6);
+  // From the vertex of the parabola through the three costs: started from a grid value, what is
+  // refined would depend on which one was near.
+  const float below = cost[best - 1] - cost[best];
+  const float above = cost[best + 1] - cost[best];
+  const float vertex = static_cast<float>(best) +
+                       (below + above > 0 ? 0.5f * (below - above) / (below + above) : 0.0f);
+  return Refine(raw, X, Y, min_w + step * vertex, 6);
 }
 
 DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw,
@@ -265,9 +293,11 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
   const int sy = y / spacing;
   const float X = (static_cast<float>(x) + 0.5f) * static_cast<float>(scale_) - 0.5f;
   const float Y = (static_cast<float>(y) + 0.5f) * static_cast<float>(scale_) - 0.5f;
-  // The most certain seed around, and the most certain that disagrees with it.
+  // The seeds that agree with the most certain one around, and the most certain that disagrees.
   const Estimated* first = nullptr;
   const Estimated* second = nullptr;
+  float sum = 0;
+  int agree = 0;
   for (int pass = 0; pass < 2; ++pass) {
     for (int j = std::max(sy - 1, 0); j <= std::min(sy + 1, seed_height_ - 1); ++j) {
       for (int i = std::max(sx - 1, 0); i <= std::min(sx + 1, seed_width_ - 1); ++i) {
@@ -275,14 +305,18 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
         if (seed.w == 0) continue;
         if (pass == 0) {
           if (!first || seed.sigma < first->sigma) first = &seed;
-        } else if (std::abs(seed.w - first->w) > 0.02f) {
-          if (!second || seed.sigma < second->sigma) second = &seed;
+        } else if (std::abs(seed.w - first->w) <= 0.02f) {
+          sum += seed.w;
+          ++agree;
+        } else if (!second || seed.sigma < second->sigma) {
+          second = &seed;
         }
       }
     }
     if (!first) return {};
   }
-  Estimated result = Refine(raw, X, Y, first->w, 3);
+  // The mean of several depends less on the noise of this patch, which is that of its nearest seed.
+  Estimated result = Refine(raw, X, Y, sum / static_cast<float>(agree), 3);
   if (second) {
     const Estimated other = Refine(raw, X, Y, second->w, 3);
     if (other.w > 0 && (result.w == 0 || other.residual < result.residual)) result = other;

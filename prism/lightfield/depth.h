@@ -44,8 +44,9 @@ struct DepthOptions {
 //
 // 1. Seeds: at every seed_spacing-th pixel with texture, w is swept over its range and the minimum
 //    of the mean squared difference refined by Gauss-Newton. Flat or double minima are dropped.
-// 2. Every second pixel near a seed (those of one colour of a chessboard) starts from it and is
-//    refined with a lens set held fixed; the others are the mean of what agrees beside them.
+// 2. Every second pixel near seeds (those of one colour of a chessboard) starts from the mean of
+//    those that agree and is refined with lenses and mask held fixed; the others are the mean of
+//    what agrees beside them.
 // 3. Estimates that a third of their neighbours contradict are dropped; the others become the mean
 //    of the neighbours that agree, weighted by information. Neighbours share raw pixels, so sigma
 //    is the mean of theirs, as if their errors were the same.

@@ -37,6 +37,9 @@ struct PreparedRaw {
   // more, and where it is good. Blending towards it blurs a sharp lens as defocus blurs another.
   HalfPixelImage smoother;
   ImageF lens_colour_smoother;
+  // Gradient of the vignetting's gain in x and in y, the weighted sum over the pixels of a patch
+  // (kPatchWeights) that are good in the white image, by the patch's centre. 1/px.
+  ImageF gain_slope_x, gain_slope_y;
 };
 
 // Variance added by one more pass of the filter of PreparedRaw::smooth, px^2 in x and in y.
@@ -60,10 +63,12 @@ class RawPreparation {
  private:
   void ToGray(const cv::Mat& raw, ImageF* gray);
   void MeasureVignetting(const ImageF& white);
+  void SumGainSlopes();
 
   const LensTable& lenses_;
   PreparationOptions options_;
   ImageF gain_;  // 0: masked
+  ImageF gain_slope_x_, gain_slope_y_;
   cv::Mat demosaiced_, one_channel_;
   Image<uint8_t> good_;
   Image<uint8_t> filtered_;        // good_ with all eight neighbours in the same micro image

@@ -61,6 +61,28 @@ TEST_P(ProcessorOnPlanes, InverseVirtualDepthIsUnbiasedAndTheImageIsTheTexture) 
 
 INSTANTIATE_TEST_SUITE_P(Depths, ProcessorOnPlanes, ::testing::Values(0.2, 0.28, 0.36));
 
+// Far away two or three lenses see a point, near their rims, and texture is not far above the
+// noise.
+TEST(Processor, FarWeakTextureIsMeasuredWithoutBias) {
+  const PlenopticCamera camera = SmallCamera(640);
+  LightFieldProcessor processor(camera, White(camera), {});
+  for (const double w : {0.41, 0.425, 0.44}) {
+    const auto weak = [](double X, double Y) { return 120 + 0.3 * (WavyTexture(X, Y) - 120); };
+    const LightFieldFrame frame = processor.Process(Frame(RenderPlane(camera, w, weak, 3, true)));
+    std::vector<double> errors;
+    double sum = 0;
+    for (size_t i = 0; i < frame.sigma.size(); ++i) {
+      if (frame.sigma.data()[i] == 0) continue;
+      errors.push_back(frame.inverse_virtual_depth.data()[i] - w);
+      sum += errors.back();
+    }
+    std::sort(errors.begin(), errors.end());
+    ASSERT_GT(errors.size(), 40000u);
+    EXPECT_NEAR(errors[errors.size() / 2], 0, 0.0003) << w;
+    EXPECT_NEAR(sum / static_cast<double>(errors.size()), 0, 0.0004) << w;
+  }
+}
+
 LightFieldOptions WithThreadCount(int threads) {
   LightFieldOptions options;
   options.threads = threads;
