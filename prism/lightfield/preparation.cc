@@ -159,8 +159,6 @@ RawPreparation::RawPreparation(const LensTable& lenses,
   filtered_ = Image<uint8_t>(width, height, 0);
   if (lenses.HasSeveralFocalLengths()) filtered_twice_ = Image<uint8_t>(width, height, 0);
   gain_ = ImageF(width, height, 0);
-  gain_slope_x_ = ImageF(width, height, 0);
-  gain_slope_y_ = ImageF(width, height, 0);
   if (white.empty()) {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) gain_(x, y) = lenses.colour_mask()(x, y) != 0 ? 1.0f : 0.0f;
@@ -170,7 +168,6 @@ RawPreparation::RawPreparation(const LensTable& lenses,
   ImageF gray(width, height);
   ToGray(white, &gray);
   MeasureVignetting(AverageOverNeighbours(lenses, gray));
-  SumGainSlopes();
 }
 
 void RawPreparation::MeasureVignetting(const ImageF& white) {
@@ -193,28 +190,29 @@ void RawPreparation::MeasureVignetting(const ImageF& white) {
   });
 }
 
-void RawPreparation::SumGainSlopes() {
+// Overwrites good_ and filtered_, which belong to no frame yet.
+void RawPreparation::SumGainSlopes(PreparedRaw* prepared) {
   const int width = lenses_.width();
   const int height = lenses_.height();
-  Image<uint8_t> good(width, height, 0);
+  prepared->gain_slope_x = ImageF(width, height, 0);
+  prepared->gain_slope_y = ImageF(width, height, 0);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      if (gain_(x, y) > 0) good(x, y) = lenses_.colour_mask()(x, y);
+      good_(x, y) = gain_(x, y) > 0 ? lenses_.colour_mask()(x, y) : uint8_t{0};
     }
   });
-  Image<uint8_t> interior(width, height, 0);
-  tbb::parallel_for(0, height, [&](int y) { InteriorRow(good, y, interior.row(y)); });
+  tbb::parallel_for(0, height, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
   tbb::parallel_for(kPatchRadius + 1, height - kPatchRadius - 1, [&](int y) {
     for (int x = kPatchRadius + 1; x < width - kPatchRadius - 1; ++x) {
-      const uint8_t colour = good(x, y);
+      const uint8_t colour = good_(x, y);
       if (colour == 0) continue;
       for (int j = -kPatchRadius; j <= kPatchRadius; ++j) {
         for (int i = -kPatchRadius; i <= kPatchRadius; ++i) {
           const int u = x + i, v = y + j;
-          if (interior(u, v) != colour) continue;
+          if (filtered_(u, v) != colour) continue;
           const float weight = kPatchWeights[kPatchRadius + i] * kPatchWeights[kPatchRadius + j];
-          gain_slope_x_(x, y) += weight * 0.5f * (gain_(u + 1, v) - gain_(u - 1, v));
-          gain_slope_y_(x, y) += weight * 0.5f * (gain_(u, v + 1) - gain_(u, v - 1));
+          prepared->gain_slope_x(x, y) += weight * 0.5f * (gain_(u + 1, v) - gain_(u - 1, v));
+          prepared->gain_slope_y(x, y) += weight * 0.5f * (gain_(u, v + 1) - gain_(u, v - 1));
         }
       }
     }
@@ -243,8 +241,7 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
   if (prepared->gray.empty()) {
     prepared->gray = ImageF(width, height);
     prepared->lens_colour = ImageF(width, height, 0);
-    prepared->gain_slope_x = gain_slope_x_;
-    prepared->gain_slope_y = gain_slope_y_;
+    SumGainSlopes(prepared);
     if (lenses_.HasSeveralFocalLengths()) {
       prepared->lens_colour_smoother = ImageF(width, height, 0);
     }

@@ -63,12 +63,11 @@ class RawPreparation {
  private:
   void ToGray(const cv::Mat& raw, ImageF* gray);
   void MeasureVignetting(const ImageF& white);
-  void SumGainSlopes();
+  void SumGainSlopes(PreparedRaw* prepared);
 
   const LensTable& lenses_;
   PreparationOptions options_;
   ImageF gain_;  // 0: masked
-  ImageF gain_slope_x_, gain_slope_y_;
   cv::Mat demosaiced_, one_channel_;
   Image<uint8_t> good_;
   Image<uint8_t> filtered_;        // good_ with all eight neighbours in the same micro image
