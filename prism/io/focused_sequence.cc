@@ -82,6 +82,7 @@ LightFieldFrame FocusedSequence::Read(int index) const {
   const Entry& entry = entries_[index];
   LightFieldFrame frame;
   frame.time_ns = entry.time_ns;
+  frame.depth_correlation_px = kMicroImageDepthCorrelation;
   const cv::Mat gray = ReadGrayImage(entry.image_path, width_, height_);
   ImageF image(width_, height_);
   for (int y = 0; y < height_; ++y) {

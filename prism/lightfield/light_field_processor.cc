@@ -40,6 +40,7 @@ LightFieldFrame LightFieldProcessor::Process(const RawFrame& frame) {
 LightFieldFrame LightFieldProcessor::ProcessHere(const RawFrame& frame) {
   LightFieldFrame result;
   result.time_ns = frame.time_ns;
+  result.depth_correlation_px = kMicroImageDepthCorrelation;
   {
     StageTimer::Scope scope(&timer_, "preparation");
     preparation_.Prepare(frame.image, &prepared_);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "prism/factors/visibility.h"
+#include "prism/points/shared_depths.h"
 
 namespace prism {
 namespace {
@@ -81,8 +82,11 @@ void ActivatePoints(const ActivationOptions& options,
     return SelectPoints(squared_gradient, count, is_usable, options.selection);
   };
   Candidate candidate;
-  for (const Eigen::Vector2i& px : select(room, /*with_depth=*/true)) {
-    if (MakeCandidate(*window, options.candidates, newest, px, &candidate)) {
+  const std::vector<Eigen::Vector2i> measured = select(room, /*with_depth=*/true);
+  const std::vector<double> sharing = NumSharingDepth(measured, frame.depth_correlation_px);
+  for (size_t i = 0; i < measured.size(); ++i) {
+    if (MakeCandidate(*window, options.candidates, newest, measured[i], &candidate)) {
+      candidate.w_sigma *= std::sqrt(sharing[i]);
       ActivateCandidate(newest_index, candidate, &refiner, window);
     }
   }

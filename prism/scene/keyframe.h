@@ -22,7 +22,8 @@ struct Point {
   // Standard deviation of rho, poses held, from all that is known of the point; 0: not known
   // yet, and the depth is taken as it is.
   double rho_sigma = 0;
-  // Measured inverse virtual depth and its standard deviation; sigma 0 = no measurement.
+  // Measured inverse virtual depth and its standard deviation, larger than that of the frame where
+  // other points share its error (NumSharingDepth); sigma 0 = no measurement.
   double w_measured = 0;
   double w_sigma = 0;
   // Keyframes (by id) whose residual was found to be an outlier (occlusion, reflection).
