@@ -92,10 +92,10 @@ bool DepthOptions::IsValid(std::string* error) const {
   } else if (!(seed_spacing >= 1 && seed_spacing <= 8)) {
     *error = "seed_spacing of " + std::to_string(seed_spacing) + ", expected 1 to 8";
   } else if (!(min_gradient >= 0 && max_sigma > 0 && ambiguity >= 1 && max_residual > 0 &&
-               sigma_floor >= 0 && noise_factor > 0)) {
+               sigma_floor >= 0 && noise_factor > 0 && misfit_factor >= 0)) {
     *error =
         "a negative threshold, expected min_gradient, max_sigma, max_residual, sigma_floor, "
-        "noise_factor >= 0 and ambiguity >= 1";
+        "noise_factor, misfit_factor >= 0 and ambiguity >= 1";
   } else {
     return true;
   }
@@ -211,19 +211,41 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   const float noise_hessian = NoiseHessian(samples, count, sums, gray_noise);
   const float hessian = sums.hessian - noise_hessian;
   if (hessian < options_.min_information * noise_hessian) return {};
-  const float residual = std::max(cost, 0.0f) / sums.freedom / (noise * noise);
-  const float variance = std::max(residual, 1.0f) * noise * noise / hessian;
-  const float factor = static_cast<float>(options_.noise_factor);
-  const float floor = static_cast<float>(options_.sigma_floor);
   Estimated result;
   result.w = w;
-  result.sigma = std::sqrt(factor * factor * variance + floor * floor);
-  result.residual = residual;
-  if (result.sigma > options_.max_sigma ||
-      residual > options_.max_residual * options_.max_residual) {
-    return {};
+  result.residual = std::max(cost, 0.0f) / sums.freedom / (noise * noise);
+  result.noise_variance = std::max(result.residual, 1.0f) * noise * noise / hessian;
+  // Of a gradient in any direction, half its square is along the baseline.
+  float baseline_squared = 0;
+  for (int k = 0; k < count; ++k) {
+    baseline_squared += samples[k].dx * samples[k].dx + samples[k].dy * samples[k].dy;
   }
+  result.baseline_squared = 0.5f * baseline_squared;
+  result.contrast = hessian / (sums.freedom * noise * noise * result.baseline_squared) *
+                    static_cast<float>(count);
   return result;
+}
+
+bool DepthEstimator::Accept(Estimated* estimated) const {
+  const auto square = [](double x) { return x * x; };
+  const double variance =
+      square(options_.noise_factor) * estimated->noise_variance +
+      square(options_.misfit_factor * misfit_.share_px) / estimated->baseline_squared +
+      square(options_.sigma_floor);
+  estimated->sigma = static_cast<float>(std::sqrt(variance));
+  return estimated->sigma <= options_.max_sigma &&
+         estimated->residual <= square(options_.max_residual) * misfit_.Expect(estimated->contrast);
+}
+
+void DepthEstimator::AcceptSeeds() {
+  std::vector<MatchSample> samples;
+  for (const Estimated& seed : seeds_) {
+    if (seed.w > 0) samples.push_back({seed.contrast, seed.residual});
+  }
+  misfit_ = FitMisfit(std::move(samples));
+  for (Estimated& seed : seeds_) {
+    if (seed.w > 0 && !Accept(&seed)) seed = {};
+  }
 }
 
 DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X, float Y) const {
@@ -321,7 +343,7 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
     const Estimated other = Refine(raw, X, Y, second->w, 3);
     if (other.w > 0 && (result.w == 0 || other.residual < result.residual)) result = other;
   }
-  return result;
+  return result.w > 0 && Accept(&result) ? result : Estimated();
 }
 
 void DepthEstimator::FillBetween(int y) {
@@ -404,6 +426,7 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
           Search(raw, (x + 0.5f) * scale - 0.5f, (y + 0.5f) * scale - 0.5f);
     }
   });
+  AcceptSeeds();
   tbb::parallel_for(0, height_, [&](int y) {
     for (int x = y % 2; x < width_; x += 2) {
       const Estimated estimated = RefineFromSeeds(raw, x, y);

@@ -9,6 +9,7 @@
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/image/image.h"
 #include "prism/lightfield/lens_table.h"
+#include "prism/lightfield/match_misfit.h"
 #include "prism/lightfield/preparation.h"
 
 namespace prism {
@@ -22,9 +23,10 @@ struct DepthOptions {
   double max_sigma = 0.02;                  // of 1/v; less certain estimates are dropped
   double ambiguity = 35;                    // chi square between best and any other match, at least
   double min_information = 3;               // of the gradients over what noise alone pretends
-  double max_residual = 4;                  // RMS over the noise, at most; occlusions exceed it
-  double sigma_floor = 0.0015;              // of 1/v, model errors
-  double noise_factor = 1.9;                // on sigma: correlated noise, slant within a patch
+  double max_residual = 2.3;    // RMS over what MatchMisfit expects; occlusions exceed it
+  double sigma_floor = 0.0015;  // of 1/v, model errors
+  double noise_factor = 1.1;    // on sigma: correlated noise, slant within a patch
+  double misfit_factor = 1.1;   // on what MatchMisfit::share_px makes of sigma
 
   bool IsValid(std::string* error) const;
 };
@@ -44,6 +46,8 @@ struct DepthOptions {
 //
 // 1. Seeds: at every seed_spacing-th pixel with texture, w is swept over its range and the minimum
 //    of the mean squared difference refined by Gauss-Newton. Flat or double minima are dropped.
+//    From what is left over at all of them follows how well lenses can match in this frame
+//    (FitMisfit); seeds and all later estimates that match much worse are dropped.
 // 2. Every second pixel near seeds (those of one colour of a chessboard) starts from the mean of
 //    those that agree and is refined with lenses and mask held fixed; the others are the mean of
 //    what agrees beside them.
@@ -51,8 +55,10 @@ struct DepthOptions {
 //    of the neighbours that agree, weighted by information. Neighbours share raw pixels, so sigma
 //    is the mean of theirs, as if their errors were the same.
 //
-// sigma^2 = noise_factor^2 s^2 / hessian + sigma_floor^2 with s^2 the larger of the image noise and
-// the mean squared residual.
+// sigma^2 = noise_factor^2 s^2 / hessian + misfit_factor^2 share^2 / sum(d^2) + sigma_floor^2 with
+// s^2 the larger of the image noise and the mean squared residual, d the baselines of the lenses
+// along the gradient in px per unit of 1/v, and share that of MatchMisfit: what one lens misplaces
+// does not average over the pixels of its patch.
 class DepthEstimator {
  public:
   // `lenses` must outlive this.
@@ -65,15 +71,23 @@ class DepthEstimator {
 
   // Standard deviation of the noise of PreparedRaw::gray found in the last frame, 0 to 255.
   double noise() const { return noise_; }
+  // How lenses matched in the last frame.
+  const MatchMisfit& misfit() const { return misfit_; }
 
  private:
   struct Estimated {
     float w = 0;  // 0: none
     float sigma = 0;
-    float residual = 0;  // mean squared, relative to the noise
+    float residual = 0;          // mean squared, relative to the noise
+    float contrast = 0;          // MatchSample::contrast
+    float noise_variance = 0;    // of w, by the noise of the residual
+    float baseline_squared = 0;  // sum over the lenses, along the gradient, px^2
   };
 
   void MeasureTexture(const PreparedRaw& raw);
+  // Whether a match is as good as the frame's misfit allows, and certain enough; sets its sigma.
+  bool Accept(Estimated* estimated) const;
+  void AcceptSeeds();
   Estimated Search(const PreparedRaw& raw, float X, float Y) const;
   Estimated Refine(const PreparedRaw& raw, float X, float Y, float w, int iterations) const;
   Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
@@ -84,6 +98,7 @@ class DepthEstimator {
   const LensTable& lenses_;
   DepthOptions options_;
   double noise_ = 1;
+  MatchMisfit misfit_;
   int block_width_ = 0;
   std::vector<uint8_t> textured_;  // per block of raw pixels
   std::vector<Estimated> seeds_;

@@ -48,6 +48,7 @@ class LightFieldProcessor {
   const PreparedRaw& prepared() const { return prepared_; }
   const ImageF& dense_inverse_virtual_depth() const { return dense_; }
   double noise() const { return depth_.noise(); }  // of the raw image, 0 to 255
+  const MatchMisfit& misfit() const { return depth_.misfit(); }
 
  private:
   LightFieldFrame ProcessHere(const RawFrame& frame);
