@@ -26,7 +26,10 @@
 DEFINE_string(raw, "", "Folders of raw sequences (raw.txt), with commas between them.");
 DEFINE_string(camera, "", "Camera file of all of them; camera.yaml of each folder if empty.");
 DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
-DEFINE_string(white_image, "", "White image; white.png of the folder if empty.");
+DEFINE_string(white_image,
+              "",
+              "White image; empty: white.png of the folder, else found on the frames; none: frames "
+              "are taken as they are.");
 DEFINE_string(colour, "auto", "auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg.");
 DEFINE_string(truth,
               "virtual_depth_truth",

@@ -28,7 +28,10 @@
 DEFINE_string(raw, "", "Folder of a raw sequence (raw.txt).");
 DEFINE_string(camera, "", "Camera file.");
 DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
-DEFINE_string(white_image, "", "White image; white.png of the folder if empty.");
+DEFINE_string(white_image,
+              "",
+              "White image; empty: white.png of the folder, else found on the frames; none: frames "
+              "are taken as they are.");
 DEFINE_string(colour, "auto", "auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg.");
 DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
 DEFINE_string(truth, "", "Folder with true inverse virtual depth, NNNNNN.png by frame number.");

@@ -28,7 +28,10 @@
 DEFINE_string(sequence, "", "Folder of the sequence (raw, focused or TUM RGB-D layout).");
 DEFINE_string(camera, "", "Camera file. For RGB-D input: the plenoptic camera to stand in for.");
 DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
-DEFINE_string(white_image, "", "White image of a raw sequence; white.png of the folder if empty.");
+DEFINE_string(white_image,
+              "",
+              "White image of a raw sequence; empty: white.png of the folder, else found on the "
+              "frames; none: frames are taken as they are.");
 DEFINE_string(colour,
               "auto",
               "Of raw frames: auto, gray, colour, bayer_rggb, _bggr, _grbg, _gbrg.");

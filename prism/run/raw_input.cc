@@ -12,6 +12,7 @@
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/lightfield/grid_estimation.h"
+#include "prism/lightfield/vignetting.h"
 #include "prism/lightfield/with_threads.h"
 
 namespace prism {
@@ -37,14 +38,14 @@ int ChannelsOf(const std::string& colour) {
 }
 
 // Frames spread over the sequence: what they show differs.
-ImageF MeanRawFrame(const RawSequence& sequence) {
+std::vector<cv::Mat> SomeRawFrames(const RawSequence& sequence) {
   constexpr int kMaxFrames = 6;
   const int count = std::min(sequence.size(), kMaxFrames);
   std::vector<cv::Mat> images;
   for (int i = 0; i < count; ++i) {
     images.push_back(sequence.Read(i * sequence.size() / count).image);
   }
-  return MeanImage(images);
+  return images;
 }
 
 [[noreturn]] void ThrowGridDoesNotFit(const std::string& grid_path,
@@ -66,7 +67,8 @@ ImageF MeanRawFrame(const RawSequence& sequence) {
 
 void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
   const bool has_white = !input->white.empty();
-  const ImageF image = has_white ? MeanImage({input->white}) : MeanRawFrame(*input->sequence);
+  const ImageF image =
+      has_white ? MeanImage({input->white}) : MeanImage(SomeRawFrames(*input->sequence));
   MicroLensGrid& grid = *input->camera.micro_lens_grid;
   const std::optional<GridFit> fit =
       has_white ? RefineGrid(image, grid) : RefineGridOnFrames(image, grid);
@@ -102,6 +104,36 @@ void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
                 fit->rotation_flipped ? " (opposite sign to the file's)" : "");
   grid = fit->grid;
   input->grid_report = text;
+}
+
+// Without a white image the frames say how their micro images are shaded.
+void FindVignetting(RawInput* input) {
+  std::vector<ImageF> frames;
+  for (const cv::Mat& image : SomeRawFrames(*input->sequence)) frames.push_back(MeanImage({image}));
+  std::optional<Vignetting> vignetting = EstimateVignetting(LensTable(input->camera), frames);
+  char text[200];
+  if (!vignetting) {
+    std::snprintf(text,
+                  sizeof(text),
+                  "; no white image, and too few micro images to tell the vignetting from: none is "
+                  "corrected");
+  } else if (!vignetting->IsNeeded()) {
+    std::snprintf(
+        text,
+        sizeof(text),
+        "; no white image, and none needed: micro images are as bright at the rim (%.0f %% "
+        "of their centre)",
+        100 * vignetting->rim);
+  } else {
+    std::snprintf(text,
+                  sizeof(text),
+                  "; no white image: vignetting found on %d micro images (rim at %.0f %% of the "
+                  "centre)",
+                  vignetting->micro_images,
+                  100 * vignetting->rim);
+    input->white = std::move(vignetting->white);
+  }
+  input->grid_report += text;
 }
 
 // The order of lens types 1 and 2 in grid files is not reliable: the one whose focused image of the
@@ -163,10 +195,13 @@ RawInput OpenRawInput(const RawInputOptions& options) {
   input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
   const std::string white =
       options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
-  if (!white.empty()) input.white = ReadWhiteImage(white, input.camera);
+  if (!white.empty() && white != kNoWhiteImage) {
+    input.white = ReadWhiteImage(white, input.camera);
+  }
   const std::string grid_path =
       options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid;
   WithThreads(options.threads, [&] { RefineCameraGrid(grid_path, &input); });
+  if (white.empty()) FindVignetting(&input);
   DecideTypeOrder(&input);
   return input;
 }

@@ -18,12 +18,16 @@ inline constexpr char kRawColours[] =
     "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg";
 bool IsRawColour(const std::string& colour);
 
+inline constexpr char kNoWhiteImage[] = "none";
+
 // What a user says of a raw sequence; files and folders may be empty where that is said.
 struct RawInputOptions {
   std::string folder;
   std::string camera;           // file
   std::string micro_lens_grid;  // file; empty: the camera file's own grid
-  std::string white_image;      // file; empty: the folder's white.png, else none
+  // File; empty: the folder's white.png, else what the frames tell (EstimateVignetting);
+  // kNoWhiteImage: neither, the frames are taken as they are.
+  std::string white_image;
   std::string colour = "auto";  // see kRawColours
   int threads = 0;              // of the processing, now and later (LightFieldOptions)
 };
@@ -31,16 +35,16 @@ struct RawInputOptions {
 // A raw sequence with all that its processing needs.
 struct RawInput {
   PlenopticCamera camera;  // with its micro-lens grid, refined
-  cv::Mat white;           // empty: none
+  cv::Mat white;           // given or found on the frames; empty: micro images are not shaded
   std::optional<RawSequence> sequence;
   LightFieldOptions options;  // with the colour pattern of the sequence and the threads
-  std::string grid_report;    // what the refinement of the grid found, one line
+  std::string grid_report;    // what was found about grid and vignetting, one line
 };
 
 // Opens a raw sequence. A grid is refined on the white image, or on some frames where there is
-// none, and the order of its lens types decided by sharpness. `auto` takes images of one channel as
-// gray and others as colour. Throws InputError, also for a grid whose pitch does not fit the white
-// image, and OptionError for an unknown colour or a
+// none, which then also tell the vignetting; the order of its lens types is decided by sharpness.
+// `auto` takes images of one channel as gray and others as colour. Throws InputError, also for a
+// grid whose pitch does not fit the white image, and OptionError for an unknown colour or a
 // negative number of threads.
 RawInput OpenRawInput(const RawInputOptions& options);
 

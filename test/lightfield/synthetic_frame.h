@@ -40,7 +40,7 @@ inline double WavyTexture(double X, double Y) {
 }
 
 // Fall-off of a micro image towards its rim.
-inline double Vignetting(double radius_px) { return 1 - 0.4 * radius_px * radius_px / 121; }
+inline double FallOff(double radius_px) { return 1 - 0.4 * radius_px * radius_px / 121; }
 
 // The raw image of a plane that stands at inverse virtual depth `w` in virtual space, by the
 // inverse of Eqs. (6)-(7) for each pixel's lens; independent of prism/lightfield.
@@ -61,7 +61,7 @@ inline cv::Mat RenderPlane(const PlenopticCamera& camera,
       const Eigen::Vector2d c_ML = MicroLensCenter(camera, c_I);
       const Eigen::Vector2d X = c_ML + (pixel - c_ML) / w;
       double value = texture(X.x(), X.y());
-      if (vignetting) value *= Vignetting((pixel - c_I).norm());
+      if (vignetting) value *= FallOff((pixel - c_I).norm());
       value += noise * gauss(generator);
       raw.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(value);
     }

@@ -53,7 +53,16 @@ TEST_F(RawInputTest, RefinesTheGridOnTheFramesWhereThereIsNoWhiteImage) {
   std::filesystem::remove(folder_ + "/white.png");
   const RawInput input = Open();
   EXPECT_THAT(input.grid_report, HasSubstr("refined on the raw frames"));
-  EXPECT_TRUE(input.white.empty());
+}
+
+TEST_F(RawInputTest, FindsTheVignettingOnTheFramesWhereThereIsNoWhiteImage) {
+  std::filesystem::remove(folder_ + "/white.png");
+  const RawInput input = Open();
+  EXPECT_THAT(input.grid_report, HasSubstr("no white image: vignetting found on"));
+  EXPECT_FALSE(input.white.empty());
+  const RawInput as_it_is =
+      OpenRawInput({folder_, folder_ + "/camera.yaml", "", kNoWhiteImage, "auto"});
+  EXPECT_TRUE(as_it_is.white.empty());
 }
 
 TEST_F(RawInputTest, AGridFileReplacesTheCamerasGrid) {
