@@ -49,7 +49,13 @@ void NoiseModel::ObserveDepthOffsets(double expected_square) {
 
 double NoiseModel::Misfit() const {
   constexpr double kLeast = 1.25;
-  return std::max(Quantile(misfits_, 0.5), kLeast);
+  return wider_fit_ * std::max(Quantile(misfits_, 0.5), kLeast);
+}
+
+NoiseModel NoiseModel::WithWiderFit(double factor) const {
+  NoiseModel wider = *this;
+  wider.wider_fit_ *= factor;
+  return wider;
 }
 
 void NoiseModel::Observe(double rms) { KeepLast(rms / StatedSigma(), &misfits_); }

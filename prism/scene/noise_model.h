@@ -42,6 +42,8 @@ class NoiseModel {
   double UsualDepthAgreement() const;
   // Enough frames were observed to know what fits.
   bool KnowsFit() const { return misfits_.size() >= 3; }
+  // The same model with residuals taken to scatter by `factor` more than is known of them.
+  NoiseModel WithWiderFit(double factor) const;
 
  private:
   double StatedSigma() const;  // before windows have told more
@@ -52,6 +54,7 @@ class NoiseModel {
   double photometric_scale_ = 1;
   double depth_scale_ = 1;
   double depth_offset_sigma_ = 0.0004;
+  double wider_fit_ = 1;
   std::vector<double> misfits_;           // of the last frames
   std::vector<double> depth_agreements_;  // of the last frames
 };

@@ -211,6 +211,27 @@ TEST(Tracker, AtTheStartAMatchOfPartOfTheImageIsNone) {
   EXPECT_EQ(result.status, TrackingStatus::kLost);
 }
 
+// As the focused image of a real camera: displaced by up to a pixel here and there.
+TEST(Tracker, AtTheStartMisplacedTextureIsNoMismatch) {
+  const PlaneScene scene;
+  const SE3 motion = SE3::Exp(AxisMotion(0, 0.01));
+  const ImageF sharp = scene.Render(motion)[0];
+  ImageF image = sharp;
+  for (int y = 4; y < 236; ++y) {
+    for (int x = 4; x < 316; ++x) {
+      const double dx = 1.2 * std::sin(0.31 * x + 0.23 * y),
+                   dy = 1.2 * std::cos(0.27 * x - 0.29 * y);
+      image(x, y) = static_cast<float>(InterpolateBilinear(sharp, x + dx, y + dy).value);
+    }
+  }
+  Tracker tracker{TrackerOptions{}};
+  tracker.Start(scene.Reference(), scene.reference_image(), 0);
+  const TrackingResult result = tracker.Track(BuildPyramid(image, 6), kFrame_ns, NoiseModel());
+  ASSERT_EQ(result.status, TrackingStatus::kGood);
+  const SE3& found = result.alignment.state.target_from_reference;
+  EXPECT_LT((found * motion.Inverse()).Log().head<3>().norm(), 0.003);
+}
+
 TEST(RankStarts, PutsTheTrueStartFirst) {
   const PlaneScene scene;
   const SE3 truth = SE3::Exp(AxisMotion(4, 0.2));
