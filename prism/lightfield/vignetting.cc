@@ -73,6 +73,45 @@ double CentralBrightness(const ImageF& frame, const Lens& lens, int reach, doubl
   return sum / count;
 }
 
+// The image in side x side regions: the main lens shades micro images at the border from one side.
+class Regions {
+ public:
+  Regions(const LensTable& lenses, int side)
+      : width_(static_cast<float>(lenses.width())),
+        height_(static_cast<float>(lenses.height())),
+        side_(side) {}
+
+  int size() const { return side_ * side_; }
+
+  int Nearest(const Lens& lens) const {
+    const auto index = [this](float position, float length) {
+      return std::clamp(static_cast<int>(position / length * side_), 0, side_ - 1);
+    };
+    return index(lens.image_y, height_) * side_ + index(lens.image_x, width_);
+  }
+
+  // Of the means of all regions, bilinear between their centres.
+  ImageF Blend(const Lens& lens, const ImageF* means) const {
+    ImageF blend(means->width(), means->height(), 0);
+    const float fx = std::clamp(lens.image_x / width_ * side_ - 0.5f, 0.0f, side_ - 1.0f);
+    const float fy = std::clamp(lens.image_y / height_ * side_ - 0.5f, 0.0f, side_ - 1.0f);
+    for (int row = 0; row < side_; ++row) {
+      for (int column = 0; column < side_; ++column) {
+        const float weight =
+            std::max(1 - std::abs(fx - column), 0.0f) * std::max(1 - std::abs(fy - row), 0.0f);
+        if (weight == 0) continue;
+        const ImageF& mean = means[row * side_ + column];
+        for (size_t i = 0; i < blend.size(); ++i) blend.data()[i] += weight * mean.data()[i];
+      }
+    }
+    return blend;
+  }
+
+ private:
+  float width_, height_;
+  int side_;
+};
+
 double MeanOnRing(const ImageF& shading, double inner, double outer) {
   const int reach = shading.width() / 2;
   double sum = 0;
@@ -88,47 +127,49 @@ double MeanOnRing(const ImageF& shading, double inner, double outer) {
   return count > 0 ? sum / count : 1;
 }
 
-}  // namespace
-
-std::optional<Vignetting> EstimateVignetting(const LensTable& lenses,
-                                             const std::vector<ImageF>& frames) {
+std::optional<Vignetting> EstimateInRegions(const LensTable& lenses,
+                                            const std::vector<ImageF>& frames,
+                                            int side,
+                                            int min_micro_images) {
   constexpr double kCentre = 0.4;                // of the radius
   constexpr double kDark = 8, kSaturated = 235;  // mean brightness that tells nothing
-  constexpr int kMinMicroImages = 100;
-  constexpr double kWhite = 40000;  // at the centre
   const int num_types = static_cast<int>(lenses.focus_of_type().size());
   const double radius = lenses.radius_px();
   const int reach = static_cast<int>(std::ceil(radius)) + 1;
-  std::vector<Shading> shading(num_types, Shading(reach));
-  std::vector<int> used(num_types, 0);
+  const Regions regions(lenses, side);
+  std::vector<Shading> shading(static_cast<size_t>(num_types) * regions.size(), Shading(reach));
+  std::vector<int> used(shading.size(), 0);
   for (const ImageF& frame : frames) {
     for (const Lens& lens : lenses.lenses()) {
       const double centre = CentralBrightness(frame, lens, reach, kCentre * radius);
       if (centre < kDark || centre > kSaturated) continue;
-      ++used[lens.type];
+      const int part = lens.type * regions.size() + regions.Nearest(lens);
+      ++used[part];
       for (int dy = -reach; dy <= reach; ++dy) {
         for (int dx = -reach; dx <= reach; ++dx) {
           const double value =
               InterpolateBilinear(frame, lens.image_x + dx, lens.image_y + dy).value;
-          shading[lens.type].Add(dx, dy, value / centre);
+          shading[part].Add(dx, dy, value / centre);
         }
       }
     }
   }
   Vignetting result;
   std::vector<ImageF> means;
-  for (int type = 0; type < num_types; ++type) {
-    if (used[type] < kMinMicroImages) return std::nullopt;
-    result.micro_images += used[type];
-    means.push_back(shading[type].Means());
+  for (size_t part = 0; part < shading.size(); ++part) {
+    if (used[part] < min_micro_images) return std::nullopt;
+    result.micro_images += used[part];
+    means.push_back(shading[part].Means());
     const double centre = MeanOnRing(means.back(), 0, kCentre * radius);
     result.rim =
         std::min(result.rim, MeanOnRing(means.back(), 0.8 * radius, 0.9 * radius) / centre);
   }
   result.white = cv::Mat::zeros(lenses.height(), lenses.width(), CV_16UC1);
   for (const Lens& lens : lenses.lenses()) {
-    const ImageF& mean = means[lens.type];
+    const ImageF mean =
+        regions.Blend(lens, &means[static_cast<size_t>(lens.type) * regions.size()]);
     lenses.ForEachPixel(lens, [&](int x, int y) {
+      constexpr double kWhite = 40000;  // at the centre
       const double u = x - lens.image_x + reach, v = y - lens.image_y + reach;
       if (!mean.view().Contains(u, v)) return;
       const double value = kWhite * InterpolateBilinear(mean, u, v).value;
@@ -136,6 +177,17 @@ std::optional<Vignetting> EstimateVignetting(const LensTable& lenses,
     });
   }
   return result;
+}
+
+}  // namespace
+
+std::optional<Vignetting> EstimateVignetting(const LensTable& lenses,
+                                             const std::vector<ImageF>& frames) {
+  constexpr int kMany = 400, kFew = 100;  // micro images of a type in a region, over all frames
+  for (const int side : {3, 2}) {
+    if (auto vignetting = EstimateInRegions(lenses, frames, side, kMany)) return vignetting;
+  }
+  return EstimateInRegions(lenses, frames, 1, kFew);
 }
 
 }  // namespace prism

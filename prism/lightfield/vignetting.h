@@ -15,7 +15,7 @@ namespace prism {
 // How micro images darken towards their rims, as the frames themselves show it.
 struct Vignetting {
   // What a white image would look like: one channel, 16 bits, of the raw frames' size, 0 between
-  // the micro images. The same for all lenses of a type.
+  // the micro images. The same for all lenses of a type in a part of the image.
   cv::Mat white;
   double rim = 1;        // brightness at 0.85 of the radius over that at the centre, darkest type
   int micro_images = 0;  // it was measured on, of all frames together
@@ -25,10 +25,11 @@ struct Vignetting {
   bool IsNeeded() const { return rim < 0.96; }
 };
 
-// For each lens type the mean, over all its micro images with light, of the brightness at each
-// place relative to that around the centre; between the quartiles, so that edges do not count.
-// What a scene shows there differs from lens to lens and averages out. Nothing if one type has
-// fewer than 100 micro images to tell from. `frames`: gray, 0 to 255, raw px.
+// For each lens type the mean, over its micro images with light in each of up to 3 x 3 regions that
+// are blended, of the brightness at each place relative to that around the centre; between the
+// quartiles, so that edges do not count. What a scene shows there differs from lens to lens and
+// averages out. Nothing if one type has fewer than 100 micro images to tell from.
+// `frames`: gray, 0 to 255, raw px.
 std::optional<Vignetting> EstimateVignetting(const LensTable& lenses,
                                              const std::vector<ImageF>& frames);
 
