@@ -30,8 +30,8 @@ struct FitLimits {
 };
 
 struct FitOptions {
-  // Of a frame while few frames tell what fits: a quarter of outliers is still a match.
-  FitLimits start = {4, 0.25, 0.3, 0.7, 0.4};
+  // Of a frame while few frames tell what fits: a third of outliers is still a match.
+  FitLimits start = {4, 0.35, 0.3, 0.7, 0.4};
   // Of a frame once that is known.
   FitLimits match = {2.5, 0.75, 0.3, 0.7, 0.8};  // half the view may be hidden
   // A fit that leaves nothing to ask for: beyond it, other starts are tried.
