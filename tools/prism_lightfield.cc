@@ -20,10 +20,12 @@
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/lightfield/pinhole_view.h"
 #include "prism/lightfield/reprojection.h"
+#include "prism/lightfield/verdict.h"
 #include "prism/lightfield/with_threads.h"
 #include "prism/run/raw_input.h"
 #include "tools/rgbd_writer.h"
 #include "tools/tool_main.h"
+#include "tools/verdict_json.h"
 
 DEFINE_string(raw, "", "Folder of a raw sequence (raw.txt).");
 DEFINE_string(camera, "", "Camera file.");
@@ -169,6 +171,7 @@ ExitStatus ProcessSequence() {
                      PinholeView(input.camera),
                      FLAGS_crop_fov_deg);
   DepthAccuracyEvaluator evaluator;
+  LightFieldVerdict verdict;
   nlohmann::json json;
   StageTimer frame_timer;
   const int size = input.sequence->size();
@@ -181,6 +184,7 @@ ExitStatus ProcessSequence() {
       frame = processor.Process(raw);
     }
     if (i == 0) json["reprojection"] = ReprojectionToJson(processor, frame);
+    verdict.Add(frame.sigma, processor.noise(), processor.misfit());
     writer.Write(frame);
     pinhole.Write(frame.time_ns, WithThreads(FLAGS_threads, [&] {
                     return MakePinholeView(
@@ -201,14 +205,15 @@ ExitStatus ProcessSequence() {
   json["frame_ms"] = TimesToJson(frame_timer)["frame"];
   if (!evaluator.empty()) {
     json["accuracy"] = AccuracyToJson(evaluator);
-    json["measured_fraction"] = evaluator.MeasuredFraction();
   }
+  json["light_field"] = VerdictToJson(verdict);
   WriteTextAtomically((output / "lightfield.json").string(), json.dump(1) + "\n");
+  std::fputs(verdict.Text().c_str(), stdout);
   std::printf("%d frames, %.0f ms a frame (median), results in %s\n",
               count,
               frame_timer.Summarize().at("frame").median_ms,
               FLAGS_output_dir.c_str());
-  return kExitDone;
+  return verdict.IsUsable() ? kExitDone : kExitRunFailed;
 }
 
 ExitStatus Run() { return FLAGS_estimate_grid ? EstimateGridFromWhite() : ProcessSequence(); }

@@ -182,12 +182,16 @@ ExitStatus Run() {
   };
   Odometry odometry(sequence.camera(), odometry_options);
   while (std::optional<LightFieldFrame> frame = sequence.Next()) {
+    if (record.frames.empty() && !sequence.Verdict().empty()) {
+      std::cout << sequence.Verdict().Text() << std::flush;
+    }
     record.frames.push_back(odometry.Process(std::move(*frame)));
     recorder.Add(record.frames.back(), odometry);
     if (live) live->Publish(recorder.TakeUpdate());
     ShowProgress(record, record.frames.back(), sequence.size(), seconds());
   }
   record.wall_seconds = seconds();
+  record.light_field = sequence.Verdict();
   record.stages = odometry.timer().Summarize();
   record.trajectory = odometry.FrameTrajectory();
   record.intensity_sigma = odometry.window().noise.ResidualSigma();

@@ -9,6 +9,7 @@
 #include "prism/base/statistics.h"
 #include "prism/base/version.h"
 #include "tools/tool_main.h"
+#include "tools/verdict_json.h"
 
 namespace prism {
 namespace {
@@ -161,6 +162,7 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["options"] = record.options;
   json["camera"] = CameraToJson(record.camera_path, record.camera);
   json["format"] = record.sequence_format;
+  if (!record.light_field.empty()) json["light_field"] = VerdictToJson(record.light_field);
   json["frame_count"] = record.frames.size();
   json["tracked_count"] = tracked;
   json["keyframe_count"] = CountKeyframes(record.frames);

@@ -11,6 +11,7 @@
 
 #include "prism/base/stage_timer.h"
 #include "prism/camera/plenoptic_camera.h"
+#include "prism/lightfield/verdict.h"
 #include "prism/odometry/odometry.h"
 
 namespace prism {
@@ -21,6 +22,7 @@ struct RunRecord {
   std::string camera_path;
   PlenopticCamera camera;
   std::string sequence_format;
+  LightFieldVerdict light_field;  // of raw sequences
   std::vector<FrameResult> frames;
   Trajectory trajectory;  // of the tracked ones, as known at the end; times as in `frames`
   std::map<std::string, StageTimer::Summary> stages;

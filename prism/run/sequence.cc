@@ -62,6 +62,7 @@ struct Layout {
   std::string grid_report;
   std::vector<int64_t> times_ns;
   std::function<LightFieldFrame(int file_index)> read;
+  std::shared_ptr<LightFieldVerdict> verdict = std::make_shared<LightFieldVerdict>();
 };
 
 template <typename Reader>
@@ -74,14 +75,21 @@ std::vector<int64_t> TimesOf(const Reader& reader) {
 Layout OpenRgbd(const SequenceOptions& options) {
   auto reader = std::make_shared<const RgbdSequence>(
       options.sequence, ReadPlenopticCamera(options.camera), options.rgbd);
-  return {
-      reader->camera(), "", TimesOf(*reader), [reader](int index) { return reader->Read(index); }};
+  Layout layout;
+  layout.camera = reader->camera();
+  layout.times_ns = TimesOf(*reader);
+  layout.read = [reader](int index) { return reader->Read(index); };
+  return layout;
 }
 
 Layout OpenFocused(const SequenceOptions& options) {
   const PlenopticCamera camera = ReadPlenopticCamera(options.camera);
   auto reader = std::make_shared<const FocusedSequence>(options.sequence, camera);
-  return {camera, "", TimesOf(*reader), [reader](int index) { return reader->Read(index); }};
+  Layout layout;
+  layout.camera = camera;
+  layout.times_ns = TimesOf(*reader);
+  layout.read = [reader](int index) { return reader->Read(index); };
+  return layout;
 }
 
 Layout OpenRaw(const SequenceOptions& options) {
@@ -93,9 +101,16 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.threads});
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
-  return {input.camera, input.grid_report, TimesOf(*reader), [reader, processor](int index) {
-            return processor->Process(reader->Read(index));
-          }};
+  Layout layout;
+  layout.camera = input.camera;
+  layout.grid_report = input.grid_report;
+  layout.times_ns = TimesOf(*reader);
+  layout.read = [reader, processor, verdict = layout.verdict](int index) {
+    LightFieldFrame frame = processor->Process(reader->Read(index));
+    verdict->Add(frame.sigma, processor->noise(), processor->misfit());
+    return frame;
+  };
+  return layout;
 }
 
 Layout OpenLayout(const std::string& format, const SequenceOptions& options) {
@@ -137,6 +152,12 @@ Sequence::Sequence(const SequenceOptions& options) {
   play_order_ = OrderFrames(layout.times_ns, options);
   start_frame_ = options.start_frame;
   read_ = std::move(layout.read);
+  verdict_ = std::move(layout.verdict);
+}
+
+LightFieldVerdict Sequence::Verdict() const {
+  const std::lock_guard<std::mutex> lock(read_mutex_);
+  return *verdict_;
 }
 
 void Sequence::ReadAhead() {

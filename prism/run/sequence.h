@@ -5,12 +5,14 @@
 #include <deque>
 #include <functional>
 #include <future>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/io/rgbd_to_plenoptic.h"
+#include "prism/lightfield/verdict.h"
 #include "prism/run/play_order.h"
 #include "prism/scene/frame.h"
 
@@ -63,6 +65,9 @@ class Sequence {
   const PlayOrder& play_order() const { return *play_order_; }
   // What the refinement of the grid of a raw sequence found, one line; else empty.
   const std::string& grid_report() const { return grid_report_; }
+  // What can be said of the light field of a raw sequence, from all frames read so far
+  // (LightFieldVerdict); empty of other layouts. Waits for frames that are being read.
+  LightFieldVerdict Verdict() const;
 
   // Frames that are played, those already returned among them.
   int size() const { return play_order_->size(); }
@@ -83,8 +88,9 @@ class Sequence {
   std::optional<PlayOrder> play_order_;
   int start_frame_ = 0;
   std::function<LightFieldFrame(int file_index)> read_;
+  std::shared_ptr<LightFieldVerdict> verdict_;  // of the frames that `read_` has read
 
-  std::mutex read_mutex_;  // one frame at a time: raw frames share a processor
+  mutable std::mutex read_mutex_;  // one frame at a time: raw frames share a processor
   int next_to_read_ = 0;
   int next_to_return_ = 0;
   // Destroyed first, which waits for the threads.
