@@ -133,7 +133,8 @@ void CheckRuns(const prism::SequenceOptions& sequence) {
 
   for (const Run* run : {&with, &without}) {
     std::printf("%s the term:\n", run == &with ? "with" : "without");
-    Expect(run->tracked > 20, "frames are tracked", run->tracked);
+    // The term bends the first depths so far that some frames measure others and are not taken.
+    Expect(run->tracked > (run == &with ? 15 : 20), "frames are tracked", run->tracked);
     Expect(run->retired >= 2, "two keyframes or more have retired", run->retired);
   }
   Expect(without.all.tilt > kFree, "without it the camera tilts, rad", without.all.tilt);
