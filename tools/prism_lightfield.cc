@@ -205,6 +205,7 @@ ExitStatus ProcessSequence() {
   json["frame_ms"] = TimesToJson(frame_timer)["frame"];
   if (!evaluator.empty()) {
     json["accuracy"] = AccuracyToJson(evaluator);
+    json["measured_fraction"] = evaluator.MeasuredFraction();
   }
   json["light_field"] = VerdictToJson(verdict);
   WriteTextAtomically((output / "lightfield.json").string(), json.dump(1) + "\n");

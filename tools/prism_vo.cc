@@ -182,7 +182,7 @@ ExitStatus Run() {
   };
   Odometry odometry(sequence.camera(), odometry_options);
   while (std::optional<LightFieldFrame> frame = sequence.Next()) {
-    if (record.frames.empty() && !sequence.Verdict().empty()) {
+    if (record.frames.empty() && sequence.format() == "raw") {
       std::cout << sequence.Verdict().Text() << std::flush;
     }
     record.frames.push_back(odometry.Process(std::move(*frame)));

@@ -28,14 +28,20 @@ constexpr int kMaxSearched = 5;      // lenses in the search, nearest to the chi
 
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
 
+// Sum of |d(x, y)/dw|^2.
+float BaselineSquared(const Samples& samples, int count) {
+  float sum = 0;
+  for (int k = 0; k < count; ++k) {
+    sum += samples[k].dx * samples[k].dx + samples[k].dy * samples[k].dy;
+  }
+  return sum;
+}
+
 // What noise alone adds to PatchSums::hessian: the sum of p |d(x, y)/dw|^2 times the gradient's
 // variance.
-float NoiseHessian(const Samples& samples, int count, const PatchSums& sums, float noise) {
-  float baseline = 0;
-  for (int k = 0; k < count; ++k) {
-    baseline += samples[k].dx * samples[k].dx + samples[k].dy * samples[k].dy;
-  }
-  return kGradientNoise * noise * noise * sums.freedom * baseline / static_cast<float>(count);
+float NoiseHessian(float baseline_squared, int count, const PatchSums& sums, float noise) {
+  return kGradientNoise * noise * noise * sums.freedom * baseline_squared /
+         static_cast<float>(count);
 }
 
 // What noise alone adds to PatchSums::gradient: the gain makes its variance grow towards the rim of
@@ -208,7 +214,8 @@ DepthEstimator::Estimated DepthEstimator::Refine(
     return {};
   }
   const float gray_noise = static_cast<float>(noise_);
-  const float noise_hessian = NoiseHessian(samples, count, sums, gray_noise);
+  const float baseline_squared = BaselineSquared(samples, count);
+  const float noise_hessian = NoiseHessian(baseline_squared, count, sums, gray_noise);
   const float hessian = sums.hessian - noise_hessian;
   if (hessian < options_.min_information * noise_hessian) return {};
   Estimated result;
@@ -216,10 +223,6 @@ DepthEstimator::Estimated DepthEstimator::Refine(
   result.residual = std::max(cost, 0.0f) / sums.freedom / (noise * noise);
   result.noise_variance = std::max(result.residual, 1.0f) * noise * noise / hessian;
   // Of a gradient in any direction, half its square is along the baseline.
-  float baseline_squared = 0;
-  for (int k = 0; k < count; ++k) {
-    baseline_squared += samples[k].dx * samples[k].dx + samples[k].dy * samples[k].dy;
-  }
   result.baseline_squared = 0.5f * baseline_squared;
   result.contrast = hessian / (sums.freedom * noise * noise * result.baseline_squared) *
                     static_cast<float>(count);

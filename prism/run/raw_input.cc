@@ -65,10 +65,12 @@ std::vector<cv::Mat> SomeRawFrames(const RawSequence& sequence) {
   throw InputError(grid_path, found, std::string(expected) + " of the " + source);
 }
 
-void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
+// On the white image, or on the frames where there is none.
+void RefineCameraGrid(const std::string& grid_path,
+                      const std::vector<cv::Mat>& frames,
+                      RawInput* input) {
   const bool has_white = !input->white.empty();
-  const ImageF image =
-      has_white ? MeanImage({input->white}) : MeanImage(SomeRawFrames(*input->sequence));
+  const ImageF image = MeanImage(has_white ? std::vector<cv::Mat>{input->white} : frames);
   MicroLensGrid& grid = *input->camera.micro_lens_grid;
   const std::optional<GridFit> fit =
       has_white ? RefineGrid(image, grid) : RefineGridOnFrames(image, grid);
@@ -107,10 +109,10 @@ void RefineCameraGrid(const std::string& grid_path, RawInput* input) {
 }
 
 // Without a white image the frames say how their micro images are shaded.
-void FindVignetting(RawInput* input) {
-  std::vector<ImageF> frames;
-  for (const cv::Mat& image : SomeRawFrames(*input->sequence)) frames.push_back(MeanImage({image}));
-  std::optional<Vignetting> vignetting = EstimateVignetting(LensTable(input->camera), frames);
+void FindVignetting(const std::vector<cv::Mat>& frames, RawInput* input) {
+  std::vector<ImageF> gray;
+  for (const cv::Mat& image : frames) gray.push_back(MeanImage({image}));
+  std::optional<Vignetting> vignetting = EstimateVignetting(LensTable(input->camera), gray);
   char text[200];
   if (!vignetting) {
     std::snprintf(text,
@@ -200,8 +202,10 @@ RawInput OpenRawInput(const RawInputOptions& options) {
   }
   const std::string grid_path =
       options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid;
-  WithThreads(options.threads, [&] { RefineCameraGrid(grid_path, &input); });
-  if (white.empty()) FindVignetting(&input);
+  const std::vector<cv::Mat> frames =
+      input.white.empty() ? SomeRawFrames(*input.sequence) : std::vector<cv::Mat>();
+  WithThreads(options.threads, [&] { RefineCameraGrid(grid_path, frames, &input); });
+  if (white.empty()) FindVignetting(frames, &input);
   DecideTypeOrder(&input);
   return input;
 }

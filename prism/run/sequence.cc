@@ -17,6 +17,13 @@
 #include "prism/run/raw_input.h"
 
 namespace prism {
+
+// Written by the threads that read, while others wait for the next frame.
+struct SharedVerdict {
+  std::mutex mutex;
+  LightFieldVerdict light_field;
+};
+
 namespace {
 
 struct BadOption {
@@ -62,7 +69,7 @@ struct Layout {
   std::string grid_report;
   std::vector<int64_t> times_ns;
   std::function<LightFieldFrame(int file_index)> read;
-  std::shared_ptr<LightFieldVerdict> verdict = std::make_shared<LightFieldVerdict>();
+  std::shared_ptr<SharedVerdict> verdict = std::make_shared<SharedVerdict>();
 };
 
 template <typename Reader>
@@ -107,7 +114,8 @@ Layout OpenRaw(const SequenceOptions& options) {
   layout.times_ns = TimesOf(*reader);
   layout.read = [reader, processor, verdict = layout.verdict](int index) {
     LightFieldFrame frame = processor->Process(reader->Read(index));
-    verdict->Add(frame.sigma, processor->noise(), processor->misfit());
+    const std::lock_guard<std::mutex> lock(verdict->mutex);
+    verdict->light_field.Add(frame.sigma, processor->noise(), processor->misfit());
     return frame;
   };
   return layout;
@@ -156,8 +164,8 @@ Sequence::Sequence(const SequenceOptions& options) {
 }
 
 LightFieldVerdict Sequence::Verdict() const {
-  const std::lock_guard<std::mutex> lock(read_mutex_);
-  return *verdict_;
+  const std::lock_guard<std::mutex> lock(verdict_->mutex);
+  return verdict_->light_field;
 }
 
 void Sequence::ReadAhead() {

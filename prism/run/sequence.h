@@ -41,6 +41,8 @@ struct SequenceOptions {
   bool IsValid(std::string* error) const;
 };
 
+struct SharedVerdict;
+
 // A sequence in one of the layouts that sequences/README.md describes, from which frames come in
 // the order they are played, ready for Odometry::Process:
 //
@@ -66,7 +68,7 @@ class Sequence {
   // What the refinement of the grid of a raw sequence found, one line; else empty.
   const std::string& grid_report() const { return grid_report_; }
   // What can be said of the light field of a raw sequence, from all frames read so far
-  // (LightFieldVerdict); empty of other layouts. Waits for frames that are being read.
+  // (LightFieldVerdict); empty of other layouts.
   LightFieldVerdict Verdict() const;
 
   // Frames that are played, those already returned among them.
@@ -88,9 +90,9 @@ class Sequence {
   std::optional<PlayOrder> play_order_;
   int start_frame_ = 0;
   std::function<LightFieldFrame(int file_index)> read_;
-  std::shared_ptr<LightFieldVerdict> verdict_;  // of the frames that `read_` has read
+  std::shared_ptr<SharedVerdict> verdict_;  // of the frames that `read_` has read
 
-  mutable std::mutex read_mutex_;  // one frame at a time: raw frames share a processor
+  std::mutex read_mutex_;  // one frame at a time: raw frames share a processor
   int next_to_read_ = 0;
   int next_to_return_ = 0;
   // Destroyed first, which waits for the threads.

@@ -155,15 +155,13 @@ TrackingResult Tracker::Track(const ImagePyramid& target,
   }
   std::vector<double> intensities = Intensities(target);
   const AlignmentState prediction = WithBrightness(target, intensities, noise, Prediction(time_ns));
-  result = TryStarts(target, time_ns, prediction, noise);
-  Judge(noise, check_depth, &result);
   // Images of a real camera may be misplaced by a share of a pixel here and there, and then scatter
   // by more than their noise: the first frames show by how much.
-  for (const double wider : {1.6, 2.5}) {
+  for (const double wider : {1.0, 1.6, 2.5}) {
+    const NoiseModel assumed = noise.WithWiderFit(wider);
+    result = TryStarts(target, time_ns, prediction, assumed);
+    Judge(assumed, check_depth, &result);
     if (result.status == TrackingStatus::kGood || noise.KnowsFit()) break;
-    const NoiseModel wider_noise = noise.WithWiderFit(wider);
-    result = TryStarts(target, time_ns, prediction, wider_noise);
-    Judge(wider_noise, check_depth, &result);
   }
   if (result.status != TrackingStatus::kGood) return result;
   ExcludePoints(result.alignment.points.fits);
