@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "prism/lightfield/defocus_match.h"
+#include "prism/lightfield/depth_fusion.h"
 #include "prism/lightfield/patch_kernel.h"
 
 namespace prism {
@@ -55,10 +56,6 @@ float NoiseGradient(const PreparedRaw& raw, const LensView* views, int count, fl
     sum += raw.gain_slope_x(x, y) * views[k].dx + raw.gain_slope_y(x, y) * views[k].dy;
   }
   return 0.5f * smooth_noise * smooth_noise * sum * (1 - 1 / static_cast<float>(count));
-}
-
-bool Agree(float w, float sigma, float other_w, float other_sigma) {
-  return std::abs(w - other_w) < 2 * (sigma + other_sigma);
 }
 
 // Points the samples at the patches around the views.
@@ -349,72 +346,6 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
   return result.w > 0 && Accept(&result) ? result : Estimated();
 }
 
-void DepthEstimator::FillBetween(int y) {
-  for (int x = (y + 1) % 2; x < width_; x += 2) {
-    raw_depth_(x, y) = 0;
-    raw_sigma_(x, y) = 0;
-    if (x == 0 || y == 0 || x + 1 == width_ || y + 1 == height_) continue;
-    const float w[4] = {
-        raw_depth_(x - 1, y), raw_depth_(x + 1, y), raw_depth_(x, y - 1), raw_depth_(x, y + 1)};
-    const float sigma[4] = {
-        raw_sigma_(x - 1, y), raw_sigma_(x + 1, y), raw_sigma_(x, y - 1), raw_sigma_(x, y + 1)};
-    int best = -1;
-    for (int k = 0; k < 4; ++k) {
-      if (w[k] > 0 && (best < 0 || sigma[k] < sigma[best])) best = k;
-    }
-    if (best < 0) continue;
-    int count = 0;
-    float sum = 0;
-    float variance = 0;
-    for (int k = 0; k < 4; ++k) {
-      if (w[k] == 0 || !Agree(w[k], sigma[k], w[best], sigma[best])) continue;
-      ++count;
-      sum += w[k];
-      variance += sigma[k] * sigma[k];
-    }
-    if (count < 2) continue;
-    raw_depth_(x, y) = sum / static_cast<float>(count);
-    raw_sigma_(x, y) = std::sqrt(variance / static_cast<float>(count));
-  }
-}
-
-void DepthEstimator::FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma) {
-  constexpr int kReach = 3;
-  tbb::parallel_for(0, height_, [&](int y) {
-    for (int x = 0; x < width_; ++x) {
-      const float w = raw_depth_(x, y);
-      (*inverse_virtual_depth)(x, y) = 0;
-      (*sigma)(x, y) = 0;
-      if (w == 0) continue;
-      int agree = 0;
-      int disagree = 0;
-      float sum = 0;
-      float sigma_sum = 0;
-      float weight = 0;
-      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, height_ - 1); ++v) {
-        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, width_ - 1); ++u) {
-          const float other = raw_depth_(u, v);
-          if (other == 0) continue;
-          const float sigma_other = raw_sigma_(u, v);
-          if (Agree(other, sigma_other, w, raw_sigma_(x, y))) {
-            ++agree;
-            const float far = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
-            const float information = 1 / (sigma_other * sigma_other * (1 + 0.25f * far));
-            sum += information * other;
-            sigma_sum += information * sigma_other;
-            weight += information;
-          } else {
-            ++disagree;
-          }
-        }
-      }
-      if (agree < 8 || 2 * disagree > agree) continue;
-      (*inverse_virtual_depth)(x, y) = sum / weight;
-      (*sigma)(x, y) = sigma_sum / weight;
-    }
-  });
-}
-
 void DepthEstimator::Estimate(const PreparedRaw& raw,
                               ImageF* inverse_virtual_depth,
                               ImageF* sigma) {
@@ -437,8 +368,8 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
       raw_sigma_(x, y) = estimated.sigma;
     }
   });
-  tbb::parallel_for(0, height_, [&](int y) { FillBetween(y); });
-  FuseNeighbours(inverse_virtual_depth, sigma);
+  FillBetween(&raw_depth_, &raw_sigma_);
+  FuseNeighbours(raw_depth_, raw_sigma_, inverse_virtual_depth, sigma);
 }
 
 }  // namespace prism

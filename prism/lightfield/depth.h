@@ -91,8 +91,6 @@ class DepthEstimator {
   Estimated Search(const PreparedRaw& raw, float X, float Y) const;
   Estimated Refine(const PreparedRaw& raw, float X, float Y, float w, int iterations) const;
   Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
-  void FillBetween(int y);
-  void FuseNeighbours(ImageF* inverse_virtual_depth, ImageF* sigma);
 
   int width_, height_, scale_;
   const LensTable& lenses_;
