@@ -101,7 +101,7 @@ ExitStatus Run() {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const std::string& file : CameraFiles()) {
     const JacobianCheckResult result =
-        CheckJacobians(ReadPlenopticCamera(file), MakeDefaultTerms({}), options);
+        CheckJacobians(ReadMetricCamera(file), MakeDefaultTerms({}), options);
     Print(file, result, options);
     json.push_back(ToJson(file, result));
     all_agree &= result.agrees;

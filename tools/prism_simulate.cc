@@ -104,8 +104,9 @@ PlenopticCamera ReadSimulatedCamera() {
   RequireFlag("camera", FLAGS_camera, "a plenoptic camera, such as calib/raytrix_r5_16mm.yaml");
   PlenopticCamera camera = ReadPlenopticCamera(FLAGS_camera);
   if (!FLAGS_micro_lens_grid.empty()) {
-    camera.micro_lens_grid = ReadMicroLensGrid(FLAGS_micro_lens_grid);
+    AddMicroLensGrid(FLAGS_micro_lens_grid, &camera);
   }
+  RequireMetricDepth(camera, FLAGS_camera);
   if (!camera.micro_lens_grid) {
     throw InputError(FLAGS_camera, "no micro_lens_grid", "one, or --micro_lens_grid=FILE");
   }

@@ -25,6 +25,7 @@ std::vector<std::pair<std::string, std::string>> DescribeCamera(const RunRecord&
           {"focal length f_L", mm(camera.focal_length)},
           {"main lens to micro lenses b_L0", mm(camera.main_lens_mla_distance)},
           {"micro lenses to sensor B", mm(camera.sensor_mla_distance)},
+          {"mode", ToString(camera.mode)},
           {"focused image",
            std::to_string(camera.focused_width()) + " x " +
                std::to_string(camera.focused_height()) + " px"}};

@@ -82,6 +82,7 @@ nlohmann::ordered_json SegmentsToJson(const std::vector<FrameResult>& frames) {
 nlohmann::ordered_json CameraToJson(const std::string& path, const PlenopticCamera& camera) {
   nlohmann::ordered_json json;
   json["file"] = path;
+  json["mode"] = ToString(camera.mode);
   json["focal_length_mm"] = 1e3 * camera.focal_length;
   json["main_lens_mla_distance_mm"] = 1e3 * camera.main_lens_mla_distance;
   json["sensor_mla_distance_mm"] = 1e3 * camera.sensor_mla_distance;

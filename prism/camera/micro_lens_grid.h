@@ -30,7 +30,8 @@ struct LensIndex {
   bool operator==(const LensIndex& other) const { return i == other.i && j == other.j; }
 };
 
-// The hexagonal lattice of micro images on the raw sensor, in the terms of Raytrix' RayCalibData:
+// The lattice of micro images on the raw sensor, hexagonal or square by its base vectors, in the
+// terms of Raytrix' RayCalibData:
 // raw px, **y up**, from the image centre ((W - 1) / 2, (H - 1) / 2).
 //
 //   p = offset + Rotation(rotation) (i base_x + j base_y) diameter,

@@ -31,7 +31,17 @@ class Validator {
 
 bool IsPositive(double value) { return std::isfinite(value) && value > 0; }
 
+// From the main lens to the plane of v = 2.
+double PinholePlane(const PlenopticCamera& camera) {
+  return camera.main_lens_mla_distance +
+         2 * camera.virtual_depth_sign() * camera.sensor_mla_distance;
+}
+
 }  // namespace
+
+const char* ToString(MicroLensMode mode) {
+  return mode == MicroLensMode::kKeplerian ? "keplerian" : "galilean";
+}
 
 bool PlenopticCamera::IsValid(std::string* error) const {
   Validator validator(error);
@@ -40,10 +50,6 @@ bool PlenopticCamera::IsValid(std::string* error) const {
   validator.Require(IsPositive(lengths_mm[0]), "focal length (mm)", lengths_mm[0], "> 0");
   validator.Require(IsPositive(lengths_mm[1]), "main lens to MLA (mm)", lengths_mm[1], "> 0");
   validator.Require(IsPositive(lengths_mm[2]), "sensor to MLA (mm)", lengths_mm[2], "> 0");
-  validator.Require(focal_length > main_lens_mla_distance,
-                    "focal length (mm)",
-                    lengths_mm[0],
-                    "more than the distance from main lens to MLA (Galilean mode)");
   validator.Require(IsPositive(raw_pixel_size), "pixel size (mm)", 1e3 * raw_pixel_size, "> 0");
   validator.Require(raw_width >= 16, "image width", raw_width, ">= 16 px");
   validator.Require(raw_height >= 16, "image height", raw_height, ">= 16 px");
@@ -65,6 +71,19 @@ bool PlenopticCamera::IsValid(std::string* error) const {
   return !micro_lens_grid || micro_lens_grid->IsValid(error);
 }
 
+bool PlenopticCamera::HasMetricDepth(std::string* error) const {
+  const double difference = focal_length - main_lens_mla_distance;
+  if (difference * virtual_depth_sign() > 0) return true;
+  Validator(error).Require(false,
+                           "focal length (mm)",
+                           1e3 * focal_length,
+                           mode == MicroLensMode::kKeplerian
+                               ? "less than the distance from main lens to MLA (Keplerian mode)"
+                               : "more than the distance from main lens to MLA (Galilean mode; "
+                                 "'mode: keplerian' for real images before the micro lenses)");
+  return false;
+}
+
 bool PinholeCamera::IsValid(std::string* error) const {
   Validator validator(error);
   validator.Require(IsPositive(fx), "focal length fx (px)", fx, "> 0");
@@ -79,13 +98,14 @@ bool PinholeCamera::IsValid(std::string* error) const {
 PlenopticCamera PlenopticFromPinhole(const PinholeCamera& pinhole, const PlenopticCamera& lens) {
   CHECK_LT(std::abs(pinhole.fx - pinhole.fy), 1e-6 * pinhole.fx);
   PlenopticCamera camera;
+  camera.mode = lens.mode;
   camera.focal_length = lens.focal_length;
   camera.main_lens_mla_distance = lens.main_lens_mla_distance;
   camera.sensor_mla_distance = lens.sensor_mla_distance;
   camera.raw_width = pinhole.width;
   camera.raw_height = pinhole.height;
   camera.focused_scale = 1;
-  camera.raw_pixel_size = (lens.main_lens_mla_distance + 2 * lens.sensor_mla_distance) / pinhole.fx;
+  camera.raw_pixel_size = PinholePlane(lens) / pinhole.fx;
   camera.raw_principal_point = {pinhole.cx, pinhole.cy};
   return camera;
 }
@@ -94,8 +114,7 @@ PinholeCamera PinholeView(const PlenopticCamera& camera) {
   PinholeCamera pinhole;
   pinhole.width = camera.focused_width();
   pinhole.height = camera.focused_height();
-  pinhole.fx = pinhole.fy = (camera.main_lens_mla_distance + 2 * camera.sensor_mla_distance) /
-                            (camera.raw_pixel_size * camera.focused_scale);
+  pinhole.fx = pinhole.fy = PinholePlane(camera) / (camera.raw_pixel_size * camera.focused_scale);
   pinhole.cx = (camera.raw_principal_point.x() + 0.5) / camera.focused_scale - 0.5;
   pinhole.cy = (camera.raw_principal_point.y() + 0.5) / camera.focused_scale - 0.5;
   return pinhole;

@@ -7,7 +7,9 @@
 namespace prism {
 
 PlenopticProjection::PlenopticProjection(const PlenopticCamera& camera, int level)
-    : f(camera.focal_length), b_L0(camera.main_lens_mla_distance), B(camera.sensor_mla_distance) {
+    : f(camera.focal_length),
+      b_L0(camera.main_lens_mla_distance),
+      B(camera.virtual_depth_sign() * camera.sensor_mla_distance) {
   const double scale = camera.focused_scale * std::ldexp(1.0, level);
   s = camera.raw_pixel_size * scale;
   c = (camera.raw_principal_point.array() + 0.5) / scale - 0.5;
@@ -83,8 +85,10 @@ bool ProjectBetweenFrames(const PlenopticProjection& camera,
   return true;
 }
 
-Eigen::Vector2d ProjectToRaw(const Eigen::Vector3d& x_V, const Eigen::Vector2d& c_ML) {
-  return (x_V.head<2>() - c_ML) / x_V.z() + c_ML;
+Eigen::Vector2d ProjectToRaw(const PlenopticCamera& camera,
+                             const Eigen::Vector3d& x_V,
+                             const Eigen::Vector2d& c_ML) {
+  return (x_V.head<2>() - c_ML) * (camera.virtual_depth_sign() / x_V.z()) + c_ML;
 }
 
 Eigen::Vector2d MicroLensCenter(const PlenopticCamera& camera, const Eigen::Vector2d& c_I_raw_px) {

@@ -16,6 +16,9 @@ namespace prism {
 // metric inverse depth in 1/m and may be 0 (infinitely far). A point is valid only beyond the focal
 // length, z_C > f_L, that is rho f_L < 1.
 //
+// A Keplerian camera is one of negative B: b_L = b_L0 + v B then lies before the micro lenses for
+// v > 0, and all equations and derivatives hold as they stand.
+//
 // Worth knowing: with b_L of Eq. (2), Eq. (10) is x'_V - c = (f_L / s) x_C / (z_C - f_L). The
 // focused image is a pinhole image whose centre of projection is the front focal point (0, 0, f_L)
 // and whose focal length is f_L / s px. It follows that the image of a viewing ray in another
@@ -23,7 +26,7 @@ namespace prism {
 struct PlenopticProjection {
   double f = 0;                                 // f_L, m
   double b_L0 = 0;                              // m
-  double B = 0;                                 // m
+  double B = 0;                                 // m; negative: Keplerian
   double s = 0;                                 // s_x = s_y, focused pixel size, m
   Eigen::Vector2d c = Eigen::Vector2d::Zero();  // c_L, focused px
   int width = 0;                                // focused px
@@ -37,19 +40,23 @@ struct PlenopticProjection {
 
 // ---- metric inverse depth rho <-> inverse virtual depth w = 1/v (Eqs. (2), (4), (85), (86)) ----
 
-// w(rho), last line of Eq. (86); optional derivative, last line of Eq. (87).
-// Precondition: rho f_L != 1 - f_L / b_L0 (a point on the micro-lens array, v = 0).
+// w(rho), last line of Eq. (86); optional derivative, last line of Eq. (87). Negative where the
+// image lies on the other side of the micro-lens array than the mode's: beyond rho = 1 / f_L -
+// 1 / b_L0, which is near the camera for Keplerian ones and behind infinity for Galilean ones.
+// Precondition: rho is not that value (v = 0).
 double InverseVirtualDepth(const PlenopticProjection& camera,
                            double rho,
                            double* dw_drho = nullptr);
 
-// rho(w), Eq. (85); negative beyond infinity. Optional derivative. Precondition: w > 0.
+// rho(w), Eq. (85); negative beyond infinity. Optional derivative. Precondition: w > 0 and the
+// image is behind the main lens, w b_L0 + B > 0.
 double InverseDepth(const PlenopticProjection& camera, double w, double* drho_dw = nullptr);
 
 // First-order propagation of a variance of w to a variance of rho.
 double InverseDepthVariance(const PlenopticProjection& camera, double w, double w_variance);
 
-// w of a point infinitely far, B / (f_L - b_L0).
+// w of a point infinitely far, B / (f_L - b_L0): the largest w of a Galilean camera, the smallest
+// of a Keplerian one.
 double InverseVirtualDepthAtInfinity(const PlenopticProjection& camera);
 
 // ---- camera frame <-> virtual image space ----
@@ -149,9 +156,12 @@ bool ProjectBetweenFrames(const PlenopticProjection& camera,
 
 // ---- raw image ----
 
-// Eqs. (6)-(7): where the micro lens with centre c_ML images the virtual point (x'_V, y'_V, v);
-// position and centre in one unit and one origin.
-Eigen::Vector2d ProjectToRaw(const Eigen::Vector3d& x_V, const Eigen::Vector2d& c_ML);
+// Eqs. (6)-(7): where the micro lens with centre c_ML images the virtual point (x'_V, y'_V, v), on
+// the other side of the centre in a Keplerian camera; position and centre in one unit and one
+// origin.
+Eigen::Vector2d ProjectToRaw(const PlenopticCamera& camera,
+                             const Eigen::Vector3d& x_V,
+                             const Eigen::Vector2d& c_ML);
 
 // Eq. (8): micro-lens centre of a micro-image centre (undistorted raw px), scaled about the
 // principal point; the same point if the camera does not adjust.

@@ -22,13 +22,13 @@ bool InverseVirtualDepthCost::Evaluate(double const* const* parameters,
                                        double* residuals,
                                        double** jacobians) const {
   const double rho = parameters[0][0];
-  const bool valid = rho * camera_->f < 1;
   const double expected = w_measured_ - (has_offset_ ? parameters[1][0] : 0);
-  double dw_drho = 0;
-  residuals[0] =
-      valid ? (InverseVirtualDepth(*camera_, rho, &dw_drho) - expected) * inverse_sigma_ : 0;
+  double dw_drho;
+  const double w = InverseVirtualDepth(*camera_, rho, &dw_drho);
+  const bool valid = rho * camera_->f < 1 && w > 0;
+  residuals[0] = valid ? (w - expected) * inverse_sigma_ : 0;
   if (jacobians == nullptr) return true;
-  if (jacobians[0] != nullptr) jacobians[0][0] = dw_drho * inverse_sigma_;
+  if (jacobians[0] != nullptr) jacobians[0][0] = valid ? dw_drho * inverse_sigma_ : 0;
   if (has_offset_ && jacobians[1] != nullptr) jacobians[1][0] = valid ? inverse_sigma_ : 0;
   return true;
 }

@@ -3,6 +3,7 @@
 #include "prism/io/camera_file.h"
 
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <vector>
 
@@ -42,15 +43,34 @@ PinholeCamera ReadPinholeText(const std::string& path) {
   return camera;
 }
 
-// IsValid says "FOUND, expected EXPECTED".
-template <typename T>
-void RequireValid(const T& object, const std::string& path) {
-  std::string error;
-  if (object.IsValid(&error)) return;
+// Says "FOUND, expected EXPECTED" as IsValid does.
+[[noreturn]] void ThrowInvalid(const std::string& path, const std::string& error) {
   const std::string separator = ", expected ";
   const size_t split = error.find(separator);
   if (split == std::string::npos) throw InputError(path, error, "figures of a real camera");
   throw InputError(path, error.substr(0, split), error.substr(split + separator.size()));
+}
+
+template <typename T>
+void RequireValid(const T& object, const std::string& path) {
+  std::string error;
+  if (!object.IsValid(&error)) ThrowInvalid(path, error);
+}
+
+MicroLensGrid ReadGridAndMode(const std::string& path, std::optional<MicroLensMode>* mode) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (IsYaml(extension)) {
+    const PlenopticCamera camera = ReadPlenopticCamera(path);
+    if (!camera.micro_lens_grid) {
+      throw InputError(path, "no micro_lens_grid", "a camera with a micro_lens_grid");
+    }
+    *mode = camera.mode;
+    return *camera.micro_lens_grid;
+  }
+  if (extension != ".xml") throw InputError(path, "the extension '" + extension + "'", kFormats);
+  MicroLensGrid grid = ReadRaytrixXml(path, mode);
+  RequireValid(grid, path);
+  return grid;
 }
 
 }  // namespace
@@ -83,17 +103,26 @@ PinholeCamera ReadPinholeCamera(const std::string& path) {
   throw InputError(path, "a plenoptic camera", "a pinhole camera");
 }
 
+PlenopticCamera ReadMetricCamera(const std::string& path) {
+  PlenopticCamera camera = ReadPlenopticCamera(path);
+  RequireMetricDepth(camera, path);
+  return camera;
+}
+
 MicroLensGrid ReadMicroLensGrid(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  if (IsYaml(extension)) {
-    const PlenopticCamera camera = ReadPlenopticCamera(path);
-    if (camera.micro_lens_grid) return *camera.micro_lens_grid;
-    throw InputError(path, "no micro_lens_grid", "a camera with a micro_lens_grid");
-  }
-  if (extension != ".xml") throw InputError(path, "the extension '" + extension + "'", kFormats);
-  const MicroLensGrid grid = ReadRaytrixXml(path);
-  RequireValid(grid, path);
-  return grid;
+  std::optional<MicroLensMode> mode;
+  return ReadGridAndMode(path, &mode);
+}
+
+void AddMicroLensGrid(const std::string& path, PlenopticCamera* camera) {
+  std::optional<MicroLensMode> mode;
+  camera->micro_lens_grid = ReadGridAndMode(path, &mode);
+  camera->mode = mode.value_or(camera->mode);
+}
+
+void RequireMetricDepth(const PlenopticCamera& camera, const std::string& path) {
+  std::string error;
+  if (!camera.HasMetricDepth(&error)) ThrowInvalid(path, error);
 }
 
 void WriteNativeCamera(const std::string& path, const AnyCamera& camera) {

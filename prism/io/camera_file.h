@@ -20,8 +20,10 @@ using AnyCamera = std::variant<PlenopticCamera, PinholeCamera>;
 // grid), .txt the line `fx fy cx cy width height` (px, # comments; pinhole).
 AnyCamera ReadCamera(const std::string& path);
 
-// ReadCamera for a caller that needs one model; InputError if the file holds the other.
+// ReadCamera for a caller that needs one model; InputError if the file holds the other. The metric
+// one also throws where HasMetricDepth says no.
 PlenopticCamera ReadPlenopticCamera(const std::string& path);
+PlenopticCamera ReadMetricCamera(const std::string& path);
 PinholeCamera ReadPinholeCamera(const std::string& path);
 
 // A micro-lens grid: Raytrix RayCalibData (.xml), or the micro_lens_grid of a native camera
@@ -29,6 +31,12 @@ PinholeCamera ReadPinholeCamera(const std::string& path);
 // MicroLensGrid::rotation: the difference to the angle of lens_base_x where the two are within 0.1
 // rad (an R5's pi/2, which is in both), else all of it.
 MicroLensGrid ReadMicroLensGrid(const std::string& path);
+
+// Gives a camera the grid of a file, and its mode where the file says one.
+void AddMicroLensGrid(const std::string& path, PlenopticCamera* camera);
+
+// Throws InputError naming `path` where HasMetricDepth says no.
+void RequireMetricDepth(const PlenopticCamera& camera, const std::string& path);
 
 // ---- writers, atomic; InputError if the file cannot be written ----
 

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
+#include <iterator>
+#include <optional>
 #include <sstream>
 #include <vector>
 
@@ -22,6 +23,9 @@ namespace {
 constexpr int kLifcalFocusedScale = 2;
 // A rotation this near to the angle of lens_base_x is taken to be in the base vectors already.
 constexpr double kRotationInBaseVectors = 0.1;
+
+// Of either format: whether the micro lenses see real images.
+constexpr const char* kKeplerianElements[] = {"IsKepler", "isKepler", "isReal", "IsReal"};
 
 // One element and the path to it, for messages.
 class Element {
@@ -50,7 +54,8 @@ class Element {
     }
     return children;
   }
-  void WarnOfUnknown(std::initializer_list<std::string> known) const {
+  void WarnOfUnknown(std::vector<std::string> known) const {
+    known.insert(known.end(), std::begin(kKeplerianElements), std::end(kKeplerianElements));
     for (const pugi::xml_node& child : node_.children()) {
       if (child.type() != pugi::node_element) continue;
       if (std::find(known.begin(), known.end(), child.name()) != known.end()) continue;
@@ -85,10 +90,19 @@ Element Root(const std::string& path, const pugi::xml_document& document, const 
   return {path, name, document.document_element()};
 }
 
-bool ParseBool(const std::string& text, const std::string& path) {
+bool ParseBool(const Element& parent, const char* name, const std::string& path) {
+  const std::string text = parent.Text(name);
   if (text == "true" || text == "1") return true;
   if (text == "false" || text == "0") return false;
-  throw InputError(path, "MicroLensCenterAdjustment of '" + text + "'", "true or false");
+  throw InputError(path, std::string(name) + " of '" + text + "'", "true or false");
+}
+
+std::optional<MicroLensMode> ModeOf(const Element& root, const std::string& path) {
+  for (const char* name : kKeplerianElements) {
+    if (!root.Has(name)) continue;
+    return ParseBool(root, name, path) ? MicroLensMode::kKeplerian : MicroLensMode::kGalilean;
+  }
+  return std::nullopt;
 }
 
 double Angle(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
@@ -141,8 +155,9 @@ PlenopticCamera ReadLifcalXml(const std::string& path) {
     camera.distortion.B1 = 1e3 * tangential.NumberOr("B1", 0);
   }
   if (root.Has("MicroLensCenterAdjustment")) {
-    camera.adjust_micro_lens_centers = ParseBool(root.Text("MicroLensCenterAdjustment"), path);
+    camera.adjust_micro_lens_centers = ParseBool(root, "MicroLensCenterAdjustment", path);
   }
+  camera.mode = ModeOf(root, path).value_or(camera.mode);
   return camera;
 }
 
@@ -169,11 +184,13 @@ std::string LifcalXml(const PlenopticCamera& camera) {
       << "  <TangentialDistortion><B0>" << 1e-3 * d.B0 << "</B0><B1>" << 1e-3 * d.B1
       << "</B1></TangentialDistortion>\n"
       << "  <MicroLensCenterAdjustment>" << (camera.adjust_micro_lens_centers ? "true" : "false")
-      << "</MicroLensCenterAdjustment>\n</Root>\n";
+      << "</MicroLensCenterAdjustment>\n"
+      << "  <IsKepler>" << (camera.mode == MicroLensMode::kKeplerian ? "true" : "false")
+      << "</IsKepler>\n</Root>\n";
   return out.str();
 }
 
-MicroLensGrid ReadRaytrixXml(const std::string& path) {
+MicroLensGrid ReadRaytrixXml(const std::string& path, std::optional<MicroLensMode>* mode) {
   const pugi::xml_document document = Parse(path);
   const Element root = Root(path, document, "RayCalibData");
   root.WarnOfUnknown({"offset",
@@ -190,6 +207,7 @@ MicroLensGrid ReadRaytrixXml(const std::string& path) {
       root.Child("distortion").Text("function") != "constant") {
     LOG(WARNING) << path << ": the grid's distortion is not used; give it in the camera file";
   }
+  *mode = ModeOf(root, path);
   MicroLensGrid grid;
   grid.offset_px = root.Vector("offset");
   grid.diameter_px = root.Number("diameter");

@@ -41,8 +41,18 @@ MicroLensGrid ReadGrid(const std::string& path, const YAML::Node& node) {
   return grid;
 }
 
+MicroLensMode ReadMode(const std::string& path, YamlSection& section) {
+  constexpr char kModes[] = "'galilean' or 'keplerian'";
+  const std::string text = section.ValueOr("mode", std::string("galilean"), kModes);
+  for (const MicroLensMode mode : {MicroLensMode::kGalilean, MicroLensMode::kKeplerian}) {
+    if (text == ToString(mode)) return mode;
+  }
+  throw InputError(path, "the mode '" + text + "'", kModes);
+}
+
 PlenopticCamera ReadPlenoptic(const std::string& path, YamlSection& section) {
   PlenopticCamera camera;
+  camera.mode = ReadMode(path, section);
   const std::array<int, 2> size = section.Size("image_size_px");
   camera.raw_width = size[0];
   camera.raw_height = size[1];
@@ -138,6 +148,7 @@ std::string CameraYaml(const PlenopticCamera& camera) {
   out.precision(15);
   const Distortion& d = camera.distortion;
   out << "model: plenoptic\n"
+      << "mode: " << ToString(camera.mode) << "\n"
       << "image_size_px: [" << camera.raw_width << ", " << camera.raw_height << "]  # raw\n"
       << "pixel_size_mm: " << 1e3 * camera.raw_pixel_size << "\n"
       << "focal_length_mm: " << 1e3 * camera.focal_length << "\n"

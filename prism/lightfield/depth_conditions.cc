@@ -25,8 +25,10 @@ constexpr double kLagStep = 0.5;     // raw px
 constexpr double kMinCorrelation = 0.5;
 constexpr double kMinDip = 0.2;  // of the correlation before its second maximum
 
-// 1 on the near side of a depth edge, -1 on its far side, 0 elsewhere. Near is a smaller 1/v.
-Image<int8_t> FindDepthEdges(const ImageF& truth) {
+// 1 on the near side of a depth edge, -1 on its far side, 0 elsewhere. Near is a smaller 1/v in a
+// Galilean camera, a larger one in a Keplerian camera.
+Image<int8_t> FindDepthEdges(const ImageF& truth, MicroLensMode mode) {
+  const int8_t side_of_larger = mode == MicroLensMode::kKeplerian ? 1 : -1;
   Image<int8_t> edges(truth.width(), truth.height());
   for (int y = 1; y < truth.height() - 1; ++y) {
     for (int x = 1; x < truth.width() - 1; ++x) {
@@ -38,7 +40,7 @@ Image<int8_t> FindDepthEdges(const ImageF& truth) {
         const double step = other - w;
         if (other != 0 && std::abs(step) > std::abs(largest)) largest = step;
       }
-      if (std::abs(largest) > kEdge) edges(x, y) = largest > 0 ? 1 : -1;
+      if (std::abs(largest) > kEdge) edges(x, y) = largest > 0 ? -side_of_larger : side_of_larger;
     }
   }
   return edges;
@@ -218,7 +220,7 @@ std::vector<DepthConditions> MeasureDepthConditions(const LightFieldProcessor& p
   const PlenopticProjection projection(processor.camera());
   const ImageF& image = frame.image[0];
   const std::vector<Eigen::Vector2d> axes = LensAxes(processor.lenses());
-  const Image<int8_t> edges = FindDepthEdges(truth);
+  const Image<int8_t> edges = FindDepthEdges(truth, processor.camera().mode);
   const Eigen::Vector2d center(0.5 * (image.width() - 1), 0.5 * (image.height() - 1));
   std::vector<DepthConditions> result;
   for (const Eigen::Vector2i& px : pixels) {

@@ -46,25 +46,20 @@ void RenderFocusedImage(const PlenopticCamera& camera,
     run.Y = (static_cast<float>(y) + 0.5f) * scale - 0.5f;
     float last = 0;
     for (int start = 0; start < width; start += kResampleLanes) {
-      float nearest = 1, farthest = 0;
+      float lowest = 1, highest = 0;
       for (int i = 0; i < kResampleLanes; ++i) {
         const int x = std::min(start + i, width - 1);
         run.X[i] = (static_cast<float>(x) + 0.5f) * scale - 0.5f;
-        run.w[i] = dense_inverse_virtual_depth(x, y);
-        nearest = std::min(nearest, run.w[i]);
-        farthest = std::max(farthest, run.w[i]);
+        const float w = dense_inverse_virtual_depth(x, y);
+        run.w[i] = lenses.Magnification(w);
+        lowest = std::min(lowest, w);
+        highest = std::max(highest, w);
         for (int type = 0; type < types; ++type) {
-          sharpness[type][i] = types == 1 ? 1.0f : TypeSharpness(grid, type, run.w[i]);
+          sharpness[type][i] = types == 1 ? 1.0f : TypeSharpness(grid, type, w);
         }
       }
-      const int count = lenses.LensesAround(run.X[0],
-                                            run.X[kResampleLanes - 1],
-                                            run.Y,
-                                            nearest,
-                                            farthest,
-                                            radius,
-                                            kMaxLenses,
-                                            around);
+      const int count = lenses.LensesAround(
+          run.X[0], run.X[kResampleLanes - 1], run.Y, lowest, highest, radius, kMaxLenses, around);
       alignas(64) float sum[kResampleLanes] = {};
       alignas(64) float weight[kResampleLanes] = {};
       for (int k = 0; k < count; ++k) {

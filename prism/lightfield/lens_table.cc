@@ -15,7 +15,7 @@ namespace {
 
 // Diameter of a micro lens over the pitch, as usual for arrays with a dark border between lenses.
 constexpr float kMicroLensFill = 0.9f;
-constexpr int kOffsetReach = 6;  // lattice steps; v radius beyond that exceeds kMaxViews
+constexpr int kOffsetReach = 8;  // lattice steps; v radius beyond that exceeds kMaxViews
 
 Lens MakeLens(const PlenopticCamera& camera, const LensIndex& index) {
   const MicroLensGrid& grid = *camera.micro_lens_grid;
@@ -49,7 +49,9 @@ Lens MakeLens(const PlenopticCamera& camera, const LensIndex& index) {
 }  // namespace
 
 LensTable::LensTable(const PlenopticCamera& camera)
-    : width_(camera.raw_width), height_(camera.raw_height) {
+    : width_(camera.raw_width),
+      height_(camera.raw_height),
+      sign_(static_cast<float>(camera.virtual_depth_sign())) {
   CHECK(camera.micro_lens_grid);
   const MicroLensGrid& grid = *camera.micro_lens_grid;
   pitch_px_ = static_cast<float>(grid.diameter_px);
@@ -162,14 +164,15 @@ std::vector<int> LensTable::NeighboursOf(int lens, float max_baseline_px) const 
 }
 
 Eigen::Vector2f LensTable::ChiefRay(float X, float Y, float w) const {
-  const float to_chief = w / ((w + 1 / eq8_scale_ - 1) * eq8_scale_);
+  const float m = Magnification(w);
+  const float to_chief = m / ((m + 1 / eq8_scale_ - 1) * eq8_scale_);
   return {principal_x_ + (X - principal_x_) * to_chief,
           principal_y_ + (Y - principal_y_) * to_chief};
 }
 
 float LensTable::Reach(float w, float max_radius_px) const {
-  // d(offset in the micro image) / d(c_I) = (w + 1/k - 1) k
-  return max_radius_px / ((w + 1 / eq8_scale_ - 1) * eq8_scale_);
+  // d(offset in the micro image) / d(c_I) = (m + 1/k - 1) k, m the magnification
+  return max_radius_px / (std::abs(Magnification(w) + 1 / eq8_scale_ - 1) * eq8_scale_);
 }
 
 const std::vector<LensTable::Offset>& LensTable::OffsetsAround(const Eigen::Vector2f& chief,
@@ -214,6 +217,7 @@ int LensTable::LensesAround(float X0,
 int LensTable::ViewsOf(
     float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const {
   const float reach = Reach(w, max_radius_px) + cell_radius_px();
+  const float m = Magnification(w);
   const float max_squared = max_radius_px * max_radius_px;
   int count = 0;
   int i, j;
@@ -224,8 +228,8 @@ int LensTable::ViewsOf(
     const Lens& lens = lenses_[index];
     const float ex = X - lens.lens_x;
     const float ey = Y - lens.lens_y;
-    const float mx = ex * w + lens.lens_x - lens.center_x;
-    const float my = ey * w + lens.lens_y - lens.center_y;
+    const float mx = ex * m + lens.lens_x - lens.center_x;
+    const float my = ey * m + lens.lens_y - lens.center_y;
     const float squared = mx * mx + my * my;
     if (squared > max_squared) continue;
     LensView& view = views[count];
@@ -236,8 +240,8 @@ int LensTable::ViewsOf(
           view.y <= height_ - 1 - margin_px)) {
       continue;
     }
-    view.dx = lens.axx * ex + lens.axy * ey;
-    view.dy = lens.ayx * ex + lens.ayy * ey;
+    view.dx = sign_ * (lens.axx * ex + lens.axy * ey);
+    view.dy = sign_ * (lens.ayx * ex + lens.ayy * ey);
     view.radius_px = std::sqrt(squared);
     ++count;
   }

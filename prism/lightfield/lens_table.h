@@ -36,10 +36,10 @@ struct LensView {
 // Everything about the micro-lens array that does not change from frame to frame.
 //
 // A virtual point (X, v) in undistorted raw px is seen by the lens c_ML at
-// x_R = (X - c_ML) w + c_ML, w = 1/v (Eqs. (6)-(7)), and only if x_R lies in the micro image around
-// c_I. With c_ML = k c_I (Eq. (8)) the offset from c_I vanishes at c_ML = X w / (w + 1/k - 1): the
-// lenses that see the point are those near that chief ray. Distortion is linearised within a micro
-// image.
+// x_R = (X - c_ML) w + c_ML, w = 1/v (Eqs. (6)-(7); -1/v in a Keplerian camera), and only if x_R
+// lies in the micro image around c_I. With c_ML = k c_I (Eq. (8)) the offset from c_I vanishes at
+// c_ML = X w / (w + 1/k - 1): the lenses that see the point are those near that chief ray.
+// Distortion is linearised within a micro image. All functions take 1/v > 0 in either mode.
 class LensTable {
  public:
   static constexpr int kMaxViews = 24;
@@ -55,6 +55,9 @@ class LensTable {
   // 1/v that each lens type is focused on.
   const std::vector<float>& focus_of_type() const { return focus_of_type_; }
   bool HasSeveralFocalLengths() const;
+
+  // The magnification of micro images at 1/v: 1/v, or -1/v in a Keplerian camera.
+  float Magnification(float inverse_virtual_depth) const { return sign_ * inverse_virtual_depth; }
 
   // Variance in x and in y of the spot of a point out of focus by 1 in 1/v, px^2: a quarter of the
   // squared radius of a micro lens.
@@ -129,6 +132,7 @@ class LensTable {
 
   int width_, height_;
   float radius_px_, pitch_px_;
+  float sign_;  // PlenopticCamera::virtual_depth_sign
   std::vector<float> focus_of_type_;
   float principal_x_, principal_y_;
   float eq8_scale_;         // k: c_ML - c = k (c_I - c)

@@ -62,7 +62,7 @@ ReprojectionError MeasureReprojection(const PlenopticCamera& camera,
       Eigen::Vector2f focused = Eigen::Vector2f::Zero();
       float last_step = 0;
       for (int iteration = 0; iteration < kIterations; ++iteration) {
-        const Eigen::Vector2f X = (p - center) / w + center;
+        const Eigen::Vector2f X = (p - center) / lenses.Magnification(w) + center;
         const Eigen::Vector2f next = (X.array() + 0.5f) / scale - 0.5f;
         last_step = (next - focused).norm();
         focused = next;

@@ -9,7 +9,7 @@ namespace prism {
 
 inline constexpr int kResampleLanes = 8;  // virtual points of a run
 
-// Neighbouring virtual points (X[i], Y, 1/v = w[i]), raw px.
+// Neighbouring virtual points (X[i], Y), raw px, with their LensTable::Magnification w[i].
 struct VirtualPointRun {
   alignas(64) float X[kResampleLanes];
   alignas(64) float w[kResampleLanes];

@@ -81,7 +81,7 @@ std::vector<int64_t> TimesOf(const Reader& reader) {
 
 Layout OpenRgbd(const SequenceOptions& options) {
   auto reader = std::make_shared<const RgbdSequence>(
-      options.sequence, ReadPlenopticCamera(options.camera), options.rgbd);
+      options.sequence, ReadMetricCamera(options.camera), options.rgbd);
   Layout layout;
   layout.camera = reader->camera();
   layout.times_ns = TimesOf(*reader);
@@ -90,7 +90,7 @@ Layout OpenRgbd(const SequenceOptions& options) {
 }
 
 Layout OpenFocused(const SequenceOptions& options) {
-  const PlenopticCamera camera = ReadPlenopticCamera(options.camera);
+  const PlenopticCamera camera = ReadMetricCamera(options.camera);
   auto reader = std::make_shared<const FocusedSequence>(options.sequence, camera);
   Layout layout;
   layout.camera = camera;
@@ -106,6 +106,7 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.white_image,
                                  options.colour,
                                  options.threads});
+  RequireMetricDepth(input.camera, options.camera);
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
   Layout layout;

@@ -50,7 +50,7 @@ PlenopticOptics::PlenopticOptics(const PlenopticCamera& camera, const OpticsOpti
   micro_lens_radius_ = 0.5 * options.micro_lens_aperture * lens_pitch;
   main_lens_radius_ = 0.5 * options.main_lens_aperture * pitch * b_L0 / B;
   for (const MicroLensType& type : camera.micro_lens_grid->types) {
-    inverse_focus_.push_back(type.FocusInverseVirtualDepth());
+    inverse_focus_.push_back(camera.virtual_depth_sign() * type.FocusInverseVirtualDepth());
   }
 }
 
@@ -88,7 +88,8 @@ bool PlenopticOptics::Trace(const Eigen::Vector2d& raw_px,
 double PlenopticOptics::Transmission(const Eigen::Vector2d& raw_px, const MicroLens& lens) const {
   constexpr int kSide = 6;  // points along the pixel's side
   const double magnification = camera_.main_lens_mla_distance / camera_.sensor_mla_distance;
-  const double radius = micro_lens_radius_ * (1 + inverse_focus_[lens.type] * magnification);
+  const double radius =
+      micro_lens_radius_ * std::abs(1 + inverse_focus_[lens.type] * magnification);
   const double cos2 = 1 / (1 + (lens.center / camera_.main_lens_mla_distance).squaredNorm());
   const auto distance = [&](const Eigen::Vector2d& at_px) {
     const Eigen::Vector2d at = (at_px - camera_.raw_principal_point) * camera_.raw_pixel_size;
@@ -113,12 +114,14 @@ double PlenopticOptics::Transmission(const Eigen::Vector2d& raw_px, const MicroL
 }
 
 double PlenopticOptics::SpotDiameter(int type, double v) const {
-  return 2 * micro_lens_radius_ * std::abs(1 / v - inverse_focus_[type]) / camera_.raw_pixel_size;
+  const double defocus = camera_.virtual_depth_sign() / v - inverse_focus_[type];
+  return 2 * micro_lens_radius_ * std::abs(defocus) / camera_.raw_pixel_size;
 }
 
 double PlenopticOptics::SpotDiameterAtDepth(int type, double z) const {
   const double b_L = 1 / (1 / camera_.focal_length - 1 / z);  // Eq. (2)
-  return SpotDiameter(type, (b_L - camera_.main_lens_mla_distance) / camera_.sensor_mla_distance);
+  const double B = camera_.virtual_depth_sign() * camera_.sensor_mla_distance;
+  return SpotDiameter(type, (b_L - camera_.main_lens_mla_distance) / B);
 }
 
 double PlenopticOptics::Footprint(double z) const {

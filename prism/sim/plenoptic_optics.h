@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct OpticsOptions {
 // opposite sign) the light that reaches the sensor point p through the point c + u of a micro lens
 // with centre c has, before the micro lens, the slope
 //     m = (p - c) / B - u / (v_k B),
-// v_k the virtual depth on which that lens type is focused (1/f_k = (1 - 1/v_k) / B), crossed the
+// v_k the virtual depth on which that lens type is focused (1/f_k = (1 - 1/v_k) / B; it counts as
+// negative in a Keplerian camera), crossed the
 // main lens at a = c + u - m b_L0, and comes along the ray with origin (-a, 0) and direction
 // (m + a / f_L, 1) in the camera frame. It is blocked if |a| exceeds the main lens' aperture.
 class PlenopticOptics {
@@ -57,7 +59,7 @@ class PlenopticOptics {
 
   // The share of the light that reaches a pixel: the part of its micro lens that the main lens'
   // aperture leaves open, averaged over the pixel, times natural vignetting. On the main lens the
-  // micro lens' opening is seen as a disc of radius r_l (1 + b_L0 / (B v_k)) about
+  // micro lens' opening is seen as a disc of radius r_l |1 + b_L0 / (B v_k)| about
   // c - (p - c) b_L0 / B, r_l its own; what is open is where that disc overlaps the aperture.
   //
   // Natural vignetting is cos^4 of the chief ray's angle, one value a micro lens. Ray by ray, the
@@ -65,8 +67,8 @@ class PlenopticOptics {
   // side than real lenses do, whose exit pupil is distant.
   double Transmission(const Eigen::Vector2d& raw_px, const MicroLens& lens) const;
 
-  // v_k: the middle, in 1/v, of the type's depth range as far as it is above v = 2.
-  double FocusVirtualDepth(int type) const { return 1 / inverse_focus_[type]; }
+  // |v_k|: the middle, in 1/v, of the type's depth range as far as it is above v = 2.
+  double FocusVirtualDepth(int type) const { return std::abs(1 / inverse_focus_[type]); }
 
   // Diameter in raw px of the spot that a point of virtual depth v makes behind a lens of a type.
   double SpotDiameter(int type, double v) const;
@@ -85,7 +87,7 @@ class PlenopticOptics {
   PlenopticCamera camera_;
   double main_lens_radius_;
   double micro_lens_radius_;
-  std::vector<double> inverse_focus_;  // 1 / v_k
+  std::vector<double> inverse_focus_;  // 1 / v_k, negative in a Keplerian camera
 };
 
 }  // namespace prism

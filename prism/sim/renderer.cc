@@ -264,6 +264,7 @@ DepthTruth RenderDepthTruth(const RayCaster& caster,
                             const PlenopticCamera& camera,
                             const SE3& world_from_cam) {
   const double f = camera.focal_length;
+  const double B = camera.virtual_depth_sign() * camera.sensor_mla_distance;
   const double s = camera.raw_pixel_size * camera.focused_scale;
   const Eigen::Vector2d c = (camera.raw_principal_point.array() + 0.5) / camera.focused_scale - 0.5;
   const Eigen::Matrix3d R = world_from_cam.RotationMatrix();
@@ -281,7 +282,7 @@ DepthTruth RenderDepthTruth(const RayCaster& caster,
       const double b_L = 1 / (1 / f - 1 / z);
       truth.depth(x, y) = static_cast<float>(z);
       truth.inverse_virtual_depth(x, y) =
-          static_cast<float>(camera.sensor_mla_distance / (b_L - camera.main_lens_mla_distance));
+          static_cast<float>(B / (b_L - camera.main_lens_mla_distance));
     }
   });
   return truth;

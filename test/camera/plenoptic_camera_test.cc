@@ -29,10 +29,21 @@ TEST(PlenopticCamera, ComplaintsNameTheFigureAndWhatIsExpected) {
   camera.sensor_mla_distance = std::nan("");
   EXPECT_FALSE(camera.IsValid(&error));
   EXPECT_THAT(error, testing::HasSubstr("sensor to MLA"));
-  camera = ValidCamera();
-  camera.main_lens_mla_distance = 17e-3;
-  EXPECT_FALSE(camera.IsValid(&error));
-  EXPECT_THAT(error, testing::HasSubstr("Galilean"));
+}
+
+TEST(PlenopticCamera, MetricDepthNeedsAFocalLengthOnItsModesSideOfTheMicroLenses) {
+  std::string error;
+  PlenopticCamera camera = ValidCamera();
+  EXPECT_TRUE(camera.HasMetricDepth(&error));
+  camera.mode = MicroLensMode::kKeplerian;
+  EXPECT_FALSE(camera.HasMetricDepth(&error));
+  EXPECT_THAT(error, testing::HasSubstr("of 16.748, expected less than"));
+  camera.main_lens_mla_distance = 18e-3;
+  EXPECT_TRUE(camera.HasMetricDepth(&error));
+  camera.mode = MicroLensMode::kGalilean;
+  EXPECT_FALSE(camera.HasMetricDepth(&error));
+  EXPECT_THAT(error, testing::HasSubstr("expected more than"));
+  EXPECT_THAT(error, testing::HasSubstr("mode: keplerian"));
 }
 
 TEST(PinholeCamera, NeedsPositiveFocalLengths) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/camera/projection.h"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "prism/base/random.h"
@@ -11,10 +13,11 @@
 namespace prism {
 namespace {
 
-PlenopticCamera Camera16mm() {
+PlenopticCamera Camera16mm(MicroLensMode mode = MicroLensMode::kGalilean) {
   PlenopticCamera camera;
+  camera.mode = mode;
   camera.focal_length = 16.748e-3;
-  camera.main_lens_mla_distance = 15.893e-3;
+  camera.main_lens_mla_distance = mode == MicroLensMode::kGalilean ? 15.893e-3 : 18.064e-3;
   camera.sensor_mla_distance = 0.376e-3;
   camera.raw_width = camera.raw_height = 2048;
   camera.raw_pixel_size = 5.5e-6;
@@ -31,23 +34,32 @@ PlenopticCamera ErrataCamera() {
   return camera;
 }
 
+class ProjectionInMode : public ::testing::TestWithParam<MicroLensMode> {};
+
+INSTANTIATE_TEST_SUITE_P(Modes,
+                         ProjectionInMode,
+                         ::testing::Values(MicroLensMode::kGalilean, MicroLensMode::kKeplerian),
+                         [](const auto& test) { return std::string(ToString(test.param)); });
+
 double MixedError(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return ((a - b).array().abs() / (1 + a.array().abs().max(b.array().abs()))).maxCoeff();
 }
 
-TEST(Projection, FollowsEquations2And4And10) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, FollowsEquations2And4And10) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   const Eigen::Vector3d x_C(0.3, -0.2, 2.5);
   Eigen::Vector3d x_V;
   ASSERT_TRUE(Project(camera, x_C, &x_V));
   const double b_L = 1 / (1 / camera.f - 1 / x_C.z());
   EXPECT_NEAR(x_V.x(), x_C.x() / x_C.z() * b_L / camera.s + camera.c.x(), 1e-9);
   EXPECT_NEAR(x_V.y(), x_C.y() / x_C.z() * b_L / camera.s + camera.c.y(), 1e-9);
-  EXPECT_NEAR(x_V.z(), (b_L - camera.b_L0) / camera.B, 1e-9);
+  const double sign = GetParam() == MicroLensMode::kKeplerian ? -1 : 1;
+  EXPECT_NEAR(x_V.z(), sign * (b_L - camera.b_L0) / 0.376e-3, 1e-9);
+  EXPECT_GT(x_V.z(), 2);
 }
 
-TEST(Projection, FocusedImageIsAPinholeImageFromTheFrontFocalPoint) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, FocusedImageIsAPinholeImageFromTheFrontFocalPoint) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   const Eigen::Vector3d x_C(0.3, -0.2, 1.5);
   Eigen::Vector3d x_V;
   ASSERT_TRUE(Project(camera, x_C, &x_V));
@@ -56,8 +68,8 @@ TEST(Projection, FocusedImageIsAPinholeImageFromTheFrontFocalPoint) {
   EXPECT_LT((x_V.head<2>() - pinhole).norm(), 1e-9);
 }
 
-TEST(Projection, UnprojectInvertsProject) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, UnprojectInvertsProject) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   std::mt19937_64 generator = SeededGenerator(11, 0);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int i = 0; i < 100; ++i) {
@@ -79,8 +91,8 @@ TEST(Projection, PointsAtOrInsideTheFocalLengthAreInvalid) {
   EXPECT_FALSE(ProjectBetweenFrames(camera, {500, 500}, 1 / camera.f, SE3(), &x_V));
 }
 
-TEST(Projection, PyramidLevelsShareOneGeometry) {
-  const PlenopticProjection level0(Camera16mm(), 0), level2(Camera16mm(), 2);
+TEST_P(ProjectionInMode, PyramidLevelsShareOneGeometry) {
+  const PlenopticProjection level0(Camera16mm(GetParam()), 0), level2(Camera16mm(GetParam()), 2);
   Eigen::Vector3d x0, x2;
   ASSERT_TRUE(Project(level0, {0.3, -0.2, 1.5}, &x0));
   ASSERT_TRUE(Project(level2, {0.3, -0.2, 1.5}, &x2));
@@ -89,8 +101,8 @@ TEST(Projection, PyramidLevelsShareOneGeometry) {
   EXPECT_NEAR(x2.z(), x0.z(), 1e-12);
 }
 
-TEST(InverseVirtualDepth, InvertsInverseDepthAndMatchesItsDerivative) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, InverseVirtualDepthInvertsInverseDepthAndMatchesItsDerivative) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   for (const double rho : {-0.05, 0.0, 0.1, 0.5, 1.0, 3.0}) {
     double dw_drho, drho_dw;
     const double w = InverseVirtualDepth(camera, rho, &dw_drho);
@@ -105,8 +117,8 @@ TEST(InverseVirtualDepth, InvertsInverseDepthAndMatchesItsDerivative) {
   EXPECT_NEAR(InverseVirtualDepth(camera, 0), InverseVirtualDepthAtInfinity(camera), 1e-15);
 }
 
-TEST(InverseVirtualDepth, VariancePropagatesThereAndBack) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, InverseVirtualDepthVariancePropagatesThereAndBack) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   const double rho = 0.4;
   const double w = InverseVirtualDepth(camera, rho);
   const double rho_variance = InverseDepthVariance(camera, w, 0.004 * 0.004);
@@ -116,21 +128,23 @@ TEST(InverseVirtualDepth, VariancePropagatesThereAndBack) {
 }
 
 TEST(ProjectionJacobian, OfProjectMatchesNumericDifferences) {
-  const PlenopticProjection camera(ErrataCamera());
-  const Eigen::Vector3d x_C(0.3, -0.2, 2.5);
-  Eigen::Vector3d x_V;
-  Eigen::Matrix3d J;
-  ASSERT_TRUE(Project(camera, x_C, &x_V, &J));
-  const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
-    Eigen::Vector3d out;
-    EXPECT_TRUE(Project(camera, x, &out));
-    return out;
-  };
-  EXPECT_LT(MixedError(J, NumericJacobian(f, x_C)), 1e-8);
+  for (const PlenopticCamera& model : {ErrataCamera(), Camera16mm(MicroLensMode::kKeplerian)}) {
+    const PlenopticProjection camera(model);
+    const Eigen::Vector3d x_C(0.3, -0.2, 2.5);
+    Eigen::Vector3d x_V;
+    Eigen::Matrix3d J;
+    ASSERT_TRUE(Project(camera, x_C, &x_V, &J));
+    const auto f = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+      Eigen::Vector3d out;
+      EXPECT_TRUE(Project(camera, x, &out));
+      return out;
+    };
+    EXPECT_LT(MixedError(J, NumericJacobian(f, x_C)), 1e-8);
+  }
 }
 
-TEST(ProjectBetweenFrames, EqualsUnprojectTransformProject) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, ProjectBetweenFramesEqualsUnprojectTransformProject) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   std::mt19937_64 generator = SeededGenerator(12, 0);
   for (int i = 0; i < 100; ++i) {
     const SE3 T = SE3::Exp(0.1 * RandomTangent(&generator));
@@ -142,8 +156,8 @@ TEST(ProjectBetweenFrames, EqualsUnprojectTransformProject) {
   }
 }
 
-TEST(ProjectBetweenFrames, WorksAtInfinity) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, ProjectBetweenFramesWorksAtInfinity) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   const SE3 T = SE3::Exp((Vector6d() << 0.1, -0.2, 0.05, 0.02, 0.03, -0.01).finished());
   Eigen::Vector3d at_infinity, far;
   ASSERT_TRUE(ProjectBetweenFrames(camera, {400, 600}, 0, T, &at_infinity));
@@ -153,7 +167,8 @@ TEST(ProjectBetweenFrames, WorksAtInfinity) {
 
 TEST(ScaledProjection, JacobiansMatchNumericDifferences) {
   std::mt19937_64 generator = SeededGenerator(13, 0);
-  for (const PlenopticCamera& model : {Camera16mm(), ErrataCamera()}) {
+  const PlenopticCamera keplerian = Camera16mm(MicroLensMode::kKeplerian);
+  for (const PlenopticCamera& model : {Camera16mm(), ErrataCamera(), keplerian}) {
     const PlenopticProjection camera(model);
     const ScaledProjection projection(camera);
     for (int i = 0; i < 20; ++i) {
@@ -209,6 +224,14 @@ TEST(RawProjection, MicroLensCentresScaleAboutThePrincipalPoint) {
   EXPECT_NEAR(c_ML.x() - c.x(), 100 * 15.893 / (15.893 + 0.376), 1e-9);
 }
 
+TEST(RawProjection, KeplerianMicroImagesAreUpsideDown) {
+  const Eigen::Vector2d c_ML(500, 700);
+  const Eigen::Vector3d x_V(520, 690, 4);
+  EXPECT_EQ(ProjectToRaw(Camera16mm(), x_V, c_ML), Eigen::Vector2d(505, 697.5));
+  EXPECT_EQ(ProjectToRaw(Camera16mm(MicroLensMode::kKeplerian), x_V, c_ML),
+            Eigen::Vector2d(495, 702.5));
+}
+
 TEST(RawProjection, RawAndFocusedGridsShareTheirTopLeftCorner) {
   const PlenopticCamera camera = Camera16mm();
   EXPECT_EQ(RawFromFocused(camera, {-0.5, -0.5}), Eigen::Vector2d(-0.5, -0.5));
@@ -222,8 +245,8 @@ Eigen::Vector2d PinholeFromVirtual(const PlenopticProjection& camera, const Eige
   return (x_V.head<2>() - camera.c) * ((2 * camera.B + camera.b_L0) / b_L) + camera.c;
 }
 
-TEST(PinholeView, VirtualFromPinholeInvertsEquations88And89) {
-  const PlenopticProjection camera(Camera16mm());
+TEST_P(ProjectionInMode, PinholeViewVirtualFromPinholeInvertsEquations88And89) {
+  const PlenopticProjection camera(Camera16mm(GetParam()));
   const double rho = 0.6;
   const Eigen::Vector2d pinhole(123.4, 700.1);
   Eigen::Vector3d x_V;
@@ -231,8 +254,8 @@ TEST(PinholeView, VirtualFromPinholeInvertsEquations88And89) {
   EXPECT_LT((PinholeFromVirtual(camera, x_V) - pinhole).norm(), 1e-9);
 }
 
-TEST(PinholeView, IsACentralProjectionThroughTheMainLens) {
-  const PlenopticCamera model = Camera16mm();
+TEST_P(ProjectionInMode, PinholeViewIsACentralProjectionThroughTheMainLens) {
+  const PlenopticCamera model = Camera16mm(GetParam());
   const PlenopticProjection camera(model);
   const PinholeCamera view = PinholeView(model);
   const Eigen::Vector3d x_C(0.3, -0.2, 1.5);
@@ -243,9 +266,9 @@ TEST(PinholeView, IsACentralProjectionThroughTheMainLens) {
   EXPECT_NEAR(px.y(), view.fy * x_C.y() / x_C.z() + view.cy, 1e-9);
 }
 
-TEST(PinholeView, OfAPlenopticCameraMadeFromAPinholeIsThatPinhole) {
+TEST_P(ProjectionInMode, PinholeViewOfAPlenopticCameraMadeFromAPinholeIsThatPinhole) {
   const PinholeCamera pinhole{640, 480, 525, 525, 320, 240};
-  const PinholeCamera view = PinholeView(PlenopticFromPinhole(pinhole, Camera16mm()));
+  const PinholeCamera view = PinholeView(PlenopticFromPinhole(pinhole, Camera16mm(GetParam())));
   EXPECT_NEAR(view.fx, 525, 1e-10);
   EXPECT_NEAR(view.cx, 320, 1e-12);
   EXPECT_NEAR(view.cy, 240, 1e-12);

@@ -88,6 +88,7 @@ void ExpectSameCamera(const PlenopticCamera& a, const PlenopticCamera& b) {
   EXPECT_NEAR(a.distortion.B0, b.distortion.B0, 1e-13 * std::abs(a.distortion.B0));
   EXPECT_NEAR(a.distortion.B1, b.distortion.B1, 1e-13 * std::abs(a.distortion.B1));
   EXPECT_EQ(a.adjust_micro_lens_centers, b.adjust_micro_lens_centers);
+  EXPECT_EQ(a.mode, b.mode);
 }
 
 // Same centre and same type at every lens that an image of 2048 x 2048 holds.
@@ -106,6 +107,7 @@ void ExpectSameLattice(const MicroLensGrid& a, const MicroLensGrid& b) {
 
 PlenopticCamera DistortedCamera() {
   PlenopticCamera camera = ReadPlenopticCamera(Calibration("raytrix_r5_35mm.yaml"));
+  camera.mode = MicroLensMode::kKeplerian;
   camera.distortion = {21.0, -3e4, 0.02, -0.03};
   camera.adjust_micro_lens_centers = false;
   camera.micro_lens_grid->rotation = 0.0123;
@@ -201,6 +203,33 @@ TEST_F(CameraFileTest, RaytrixRoundTripKeepsTheLattice) {
   ExpectSameLattice(grid, ReadMicroLensGrid(Path("MLA_Calibration.xml")));
 }
 
+TEST_F(CameraFileTest, RealImagesAreKeplerianInXml) {
+  WriteLifcalCamera(Path("a.xml"), ReadPlenopticCamera(Calibration("raytrix_r5_16mm.yaml")));
+  EXPECT_EQ(ReadPlenopticCamera(Path("a.xml")).mode, MicroLensMode::kGalilean);
+  const std::string lifcal = ReadTextFile(Path("a.xml"));
+  const std::string real = Replace(lifcal, "</Root>", "<isReal>1</isReal></Root>");
+  EXPECT_EQ(
+      ReadPlenopticCamera(Write("b.xml", Replace(real, "IsKepler>false</IsKepler", "a></a"))).mode,
+      MicroLensMode::kKeplerian);
+
+  PlenopticCamera camera;
+  AddMicroLensGrid(Write("c.xml", kRaytrixR5), &camera);
+  EXPECT_EQ(camera.mode, MicroLensMode::kGalilean);
+  EXPECT_EQ(camera.micro_lens_grid->types.size(), 3u);
+  const std::string grid = Replace(kRaytrixR5, "</offset>", "</offset><isReal>true</isReal>");
+  AddMicroLensGrid(Write("d.xml", grid), &camera);
+  EXPECT_EQ(camera.mode, MicroLensMode::kKeplerian);
+}
+
+TEST_F(CameraFileTest, MetricCamerasHaveTheirImageOnTheModesSide) {
+  const std::string good = ReadTextFile(Calibration("raytrix_r5_16mm.yaml"));
+  EXPECT_NO_THROW(ReadMetricCamera(Write("good.yaml", good)));
+  const std::string path = Write(
+      "keplerian.yaml", Replace(good, "model: plenoptic", "model: plenoptic\nmode: keplerian"));
+  EXPECT_NO_THROW(ReadPlenopticCamera(path));
+  EXPECT_THAT(ErrorOf([&] { ReadMetricCamera(path); }), HasSubstr("Keplerian"));
+}
+
 TEST_F(CameraFileTest, PinholeTextWithComments) {
   const PinholeCamera camera = ReadPinholeCamera(Write(
       "calibration.txt", "# fx fy cx cy width height\n525 526 319.5 239.5 # Kinect\n640 480\n"));
@@ -231,6 +260,7 @@ TEST_F(CameraFileTest, BadFilesNameFileFoundAndExpected) {
       {"negative.yaml", Replace(good, "16.748", "-16.7"), "focal length (mm) of -16.7", "> 0"},
       {"nan.yaml", Replace(good, "16.748", ".nan"), "'focal_length_mm' of '.nan'", "f_L in mm"},
       {"word.yaml", Replace(good, "0.376", "small"), "'small'", "B in mm"},
+      {"mode.yaml", good + "mode: lytro\n", "the mode 'lytro'", "'galilean' or 'keplerian'"},
       {"model.yaml", Replace(good, "plenoptic", "fisheye"), "the model 'fisheye'", "'pinhole'"},
       {"pair.yaml", Replace(good, "[1018.7, 1054.2]", "[1018.7]"), "no list of 2", "raw px"},
       {"size.yaml", Replace(good, "[2048, 2048]", "[2048.5, 2048]"), "2048.5", "whole"},

@@ -23,7 +23,7 @@ int CountViews(const PlenopticCamera& camera, const Eigen::Vector2d& X, double w
       const Eigen::Vector2d c_I =
           camera.micro_lens_grid->MicroImageCenter({i, j}, camera.raw_width, camera.raw_height);
       const Eigen::Vector2d c_ML = MicroLensCenter(camera, c_I);
-      const Eigen::Vector2d x_R = ProjectToRaw({X.x(), X.y(), 1 / w}, c_ML);
+      const Eigen::Vector2d x_R = ProjectToRaw(camera, {X.x(), X.y(), 1 / w}, c_ML);
       const bool inside = x_R.minCoeff() >= 1 && x_R.maxCoeff() <= camera.raw_width - 2;
       count += inside && (x_R - c_I).norm() <= radius;
     }
@@ -31,8 +31,17 @@ int CountViews(const PlenopticCamera& camera, const Eigen::Vector2d& X, double w
   return count;
 }
 
-TEST(LensTable, ViewsAreExactlyTheLensesWhoseMicroImageHoldsThePoint) {
-  const PlenopticCamera camera = SmallCamera();
+class LensTableOf : public ::testing::TestWithParam<PlenopticCamera> {};
+
+INSTANTIATE_TEST_SUITE_P(Cameras,
+                         LensTableOf,
+                         ::testing::Values(SmallCamera(),
+                                           SmallCamera(320, MicroLensMode::kKeplerian),
+                                           SquareCamera()),
+                         CameraName);
+
+TEST_P(LensTableOf, ViewsAreExactlyTheLensesWhoseMicroImageHoldsThePoint) {
+  const PlenopticCamera& camera = GetParam();
   const LensTable table(camera);
   LensView views[LensTable::kMaxViews];
   for (const double w : {0.2, 0.3, 0.44}) {
@@ -47,8 +56,9 @@ TEST(LensTable, ViewsAreExactlyTheLensesWhoseMicroImageHoldsThePoint) {
   }
 }
 
-TEST(LensTable, ViewsFollowEquationsSixAndSevenAndTheirDerivative) {
-  const PlenopticCamera camera = SmallCamera();
+TEST_P(LensTableOf, ViewsFollowEquationsSixAndSevenAndTheirDerivative) {
+  const PlenopticCamera& camera = GetParam();
+  const double sign = camera.mode == MicroLensMode::kKeplerian ? -1 : 1;
   const LensTable table(camera);
   LensView views[LensTable::kMaxViews];
   LensView moved[LensTable::kMaxViews];
@@ -57,8 +67,8 @@ TEST(LensTable, ViewsFollowEquationsSixAndSevenAndTheirDerivative) {
   const int moved_count = table.ViewsOf(150, 170, 0.31f, 11, 1, moved);
   for (int k = 0; k < count; ++k) {
     const Lens& lens = table.lenses()[views[k].lens];
-    EXPECT_NEAR(views[k].x, (150 - lens.lens_x) * 0.3 + lens.lens_x, 1e-3);
-    EXPECT_NEAR(views[k].y, (170 - lens.lens_y) * 0.3 + lens.lens_y, 1e-3);
+    EXPECT_NEAR(views[k].x, (150 - lens.lens_x) * sign * 0.3 + lens.lens_x, 1e-3);
+    EXPECT_NEAR(views[k].y, (170 - lens.lens_y) * sign * 0.3 + lens.lens_y, 1e-3);
     for (int m = 0; m < moved_count; ++m) {
       if (moved[m].lens != views[k].lens) continue;
       EXPECT_NEAR((moved[m].x - views[k].x) / 0.01, views[k].dx, 0.05);
@@ -96,7 +106,8 @@ TEST(LensTable, NeighboursComeByBaselineAndAreMutual) {
 TEST(LensTable, LensesAroundHoldAllViewsOfTheirPoints) {
   PlenopticCamera distorted = SmallCamera();
   distorted.distortion.A0 = 2000;
-  for (const PlenopticCamera& camera : {SmallCamera(), distorted}) {
+  const PlenopticCamera keplerian = SmallCamera(320, MicroLensMode::kKeplerian);
+  for (const PlenopticCamera& camera : {SmallCamera(), distorted, keplerian, SquareCamera()}) {
     const LensTable table(camera);
     std::mt19937_64 generator = SeededGenerator(3, 0);
     std::uniform_real_distribution<float> position(5, 315), depth(0.1f, 0.48f), part(0, 1);
@@ -125,8 +136,8 @@ TEST(LensTable, LensesAroundHoldAllViewsOfTheirPoints) {
   }
 }
 
-TEST(LensTable, ColoursOfNeighboursDiffer) {
-  const LensTable table(SmallCamera());
+TEST_P(LensTableOf, ColoursOfNeighboursDiffer) {
+  const LensTable table(GetParam());
   for (const Lens& a : table.lenses()) {
     for (const Lens& b : table.lenses()) {
       const double distance = std::hypot(a.image_x - b.image_x, a.image_y - b.image_y);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -32,11 +33,10 @@ cv::Mat White(const PlenopticCamera& camera) {
       camera, 0.3, [](double, double) { return 230; }, 0, true);
 }
 
-class ProcessorOnPlanes : public ::testing::TestWithParam<double> {};
+class ProcessorOnPlanes : public ::testing::TestWithParam<std::tuple<double, PlenopticCamera>> {};
 
 TEST_P(ProcessorOnPlanes, InverseVirtualDepthIsUnbiasedAndTheImageIsTheTexture) {
-  const double w = GetParam();
-  const PlenopticCamera camera = SmallCamera();
+  const auto& [w, camera] = GetParam();
   LightFieldProcessor processor(camera, White(camera), {});
   const LightFieldFrame frame =
       processor.Process(Frame(RenderPlane(camera, w, WavyTexture, 1.5, true)));
@@ -59,7 +59,13 @@ TEST_P(ProcessorOnPlanes, InverseVirtualDepthIsUnbiasedAndTheImageIsTheTexture) 
   EXPECT_LT(image_error / image_count, 6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Depths, ProcessorOnPlanes, ::testing::Values(0.2, 0.28, 0.36));
+INSTANTIATE_TEST_SUITE_P(
+    Depths,
+    ProcessorOnPlanes,
+    ::testing::Combine(::testing::Values(0.2, 0.28, 0.36),
+                       ::testing::Values(SmallCamera(),
+                                         SmallCamera(320, MicroLensMode::kKeplerian),
+                                         SquareCamera())));
 
 // Far away two or three lenses see a point, near their rims, and texture is not far above the
 // noise.

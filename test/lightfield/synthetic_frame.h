@@ -5,7 +5,9 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <string>
 
+#include <gtest/gtest.h>
 #include <opencv2/core/mat.hpp>
 
 #include "prism/base/random.h"
@@ -15,10 +17,11 @@
 namespace prism {
 
 // A small camera with the proportions of a Raytrix R5.
-inline PlenopticCamera SmallCamera(int size = 320) {
+inline PlenopticCamera SmallCamera(int size = 320, MicroLensMode mode = MicroLensMode::kGalilean) {
   PlenopticCamera camera;
+  camera.mode = mode;
   camera.focal_length = 16.748e-3;
-  camera.main_lens_mla_distance = 15.893e-3;
+  camera.main_lens_mla_distance = mode == MicroLensMode::kGalilean ? 15.893e-3 : 18.064e-3;
   camera.sensor_mla_distance = 0.376e-3;
   camera.raw_width = camera.raw_height = size;
   camera.raw_pixel_size = 5.5e-6;
@@ -33,6 +36,21 @@ inline PlenopticCamera SmallCamera(int size = 320) {
 
 // Brightness at a point of the virtual image, in undistorted raw px.
 using VirtualTexture = std::function<double(double X, double Y)>;
+
+// The same camera with its micro lenses in a square.
+inline PlenopticCamera SquareCamera(int size = 320) {
+  PlenopticCamera camera = SmallCamera(size);
+  camera.micro_lens_grid->base_x = {1, 0};
+  camera.micro_lens_grid->base_y = {0, 1};
+  return camera;
+}
+
+// Names a test by its camera: mode and kind of lattice.
+inline std::string CameraName(const ::testing::TestParamInfo<PlenopticCamera>& test) {
+  const MicroLensGrid& grid = *test.param.micro_lens_grid;
+  const bool is_square = std::abs(grid.base_x.dot(grid.base_y)) < 0.25;
+  return std::string(ToString(test.param.mode)) + (is_square ? "_square" : "_hexagonal");
+}
 
 inline double WavyTexture(double X, double Y) {
   return 120 + 35 * std::sin(0.17 * X + 0.11 * Y) + 30 * std::sin(0.13 * Y - 0.07 * X + 1) +
@@ -59,7 +77,7 @@ inline cv::Mat RenderPlane(const PlenopticCamera& camera,
       const LensIndex lens = grid.NearestLens(pixel, raw.cols, raw.rows);
       const Eigen::Vector2d c_I = grid.MicroImageCenter(lens, raw.cols, raw.rows);
       const Eigen::Vector2d c_ML = MicroLensCenter(camera, c_I);
-      const Eigen::Vector2d X = c_ML + (pixel - c_ML) / w;
+      const Eigen::Vector2d X = c_ML + (pixel - c_ML) * (camera.virtual_depth_sign() / w);
       double value = texture(X.x(), X.y());
       if (vignetting) value *= FallOff((pixel - c_I).norm());
       value += noise * gauss(generator);

@@ -171,7 +171,7 @@ double Disagreement(const PlenopticCamera& camera, const SlantedWall& wall) {
         const LensIndex other{lens.i + i, lens.j + j};
         CHECK_EQ(grid.TypeOf(other), grid.TypeOf(lens));
         const Eigen::Vector2d c_I = grid.MicroImageCenter(other, size, size);
-        const Eigen::Vector2d p = ProjectToRaw(x_V, MicroLensCenter(camera, c_I));
+        const Eigen::Vector2d p = ProjectToRaw(camera, x_V, MicroLensCenter(camera, c_I));
         if ((p - c_I).norm() > 0.32 * grid.diameter_px) continue;
         const double value = wall.flat.at<float>(y, x);
         differences.Add(value - InterpolateCubic(wall.flat, p.x(), p.y()));

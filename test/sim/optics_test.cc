@@ -4,6 +4,7 @@
 // image lights up.
 #include <cmath>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -67,7 +68,7 @@ Eigen::Vector2d ExpectedPixel(const PlenopticCamera& camera,
   const Eigen::Vector2d c_I =
       camera.micro_lens_grid->MicroImageCenter(lens, camera.raw_width, camera.raw_height);
   const Eigen::Vector2d c_ML = MicroLensCenter(camera, UndistortRaw(camera, c_I));
-  return DistortRaw(camera, ProjectToRaw(x_V, c_ML));
+  return DistortRaw(camera, ProjectToRaw(camera, x_V, c_ML));
 }
 
 // A part of the small camera's sensor, so that many samples a pixel can be afforded. The principal
@@ -76,6 +77,14 @@ PlenopticCamera CroppedCamera() {
   PlenopticCamera camera = SmallCamera();
   camera.raw_width = camera.raw_height = 240;
   camera.raw_principal_point = {13.2, 26.9};
+  return camera;
+}
+
+// The same with real images before the micro lenses, at most v_infinity B.
+PlenopticCamera CroppedKeplerianCamera(double v_infinity) {
+  PlenopticCamera camera = CroppedCamera();
+  camera.mode = MicroLensMode::kKeplerian;
+  camera.main_lens_mla_distance = camera.focal_length + v_infinity * camera.sensor_mla_distance;
   return camera;
 }
 
@@ -154,6 +163,12 @@ TEST(OpticsTest, APointLightsTheRawPixelsOfTheProjectionEquations) {
   for (const double z : {0.4, 6.0}) ExpectSpotsWhereTheEquationsSay(CroppedCamera(), z, 0);
 }
 
+TEST(OpticsTest, SoItDoesBeforeKeplerianMicroLenses) {
+  for (const double z : {0.4, 6.0}) {
+    ExpectSpotsWhereTheEquationsSay(CroppedKeplerianCamera(3.5), z, 0);
+  }
+}
+
 TEST(OpticsTest, SoItDoesWithLensDistortion) {
   PlenopticCamera camera = CroppedCamera();
   camera.distortion = {8e3, 1e8, 0.4, -0.3};  // several px at the border
@@ -161,10 +176,17 @@ TEST(OpticsTest, SoItDoesWithLensDistortion) {
   ExpectSpotsWhereTheEquationsSay(camera, 1.5, 0);
 }
 
-TEST(OpticsTest, SpotsGrowOffFocusAsTheThinLensFormulaSays) {
+class OpticsOf : public ::testing::TestWithParam<PlenopticCamera> {};
+
+INSTANTIATE_TEST_SUITE_P(Modes,
+                         OpticsOf,
+                         ::testing::Values(CroppedCamera(), CroppedKeplerianCamera(9)),
+                         [](const auto& test) { return std::string(ToString(test.param.mode)); });
+
+TEST_P(OpticsOf, SpotsGrowOffFocusAsTheThinLensFormulaSays) {
   constexpr double kAperture = 0.7;
   constexpr double kSidePx = 1;
-  const PlenopticCamera camera = CroppedCamera();
+  const PlenopticCamera& camera = GetParam();
   OpticsOptions options;
   options.micro_lens_aperture = kAperture;
   const PlenopticOptics optics(camera, options);
@@ -174,7 +196,8 @@ TEST(OpticsTest, SpotsGrowOffFocusAsTheThinLensFormulaSays) {
                          optics.FocusVirtualDepth(1),
                          4.5,
                          optics.FocusVirtualDepth(2)}) {
-    const double b_L = v * camera.sensor_mla_distance + camera.main_lens_mla_distance;
+    const double b_L = camera.main_lens_mla_distance +
+                       camera.virtual_depth_sign() * v * camera.sensor_mla_distance;
     const double z = 1 / (1 / camera.focal_length - 1 / b_L);
     const std::vector<Eigen::Vector3d> lights = LightsAt(camera, z, v < 3 ? 3 : 2);
     const cv::Mat raw = RenderLights(camera, lights, kSidePx * optics.Footprint(z), kAperture, 256);

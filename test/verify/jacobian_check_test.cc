@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/verify/jacobian_check.h"
 
+#include <string>
+
 #include <ceres/sized_cost_function.h>
 #include <gtest/gtest.h>
 
@@ -18,8 +20,22 @@ PlenopticCamera TestCamera() {
   return PlenopticFromPinhole({320, 240, 262.5, 262.5, 160, 120}, lens);
 }
 
-TEST(Jacobians, OfAllResidualsAgreeWithAutodiffAndNumericDifferences) {
-  const JacobianCheckResult result = CheckJacobians(TestCamera(), MakeDefaultTerms({}), {});
+PlenopticCamera KeplerianCamera() {
+  PlenopticCamera camera = TestCamera();
+  camera.mode = MicroLensMode::kKeplerian;
+  camera.main_lens_mla_distance = 18.064e-3;
+  return camera;
+}
+
+class JacobiansOf : public ::testing::TestWithParam<PlenopticCamera> {};
+
+INSTANTIATE_TEST_SUITE_P(Modes,
+                         JacobiansOf,
+                         ::testing::Values(TestCamera(), KeplerianCamera()),
+                         [](const auto& test) { return std::string(ToString(test.param.mode)); });
+
+TEST_P(JacobiansOf, AllResidualsAgreeWithAutodiffAndNumericDifferences) {
+  const JacobianCheckResult result = CheckJacobians(GetParam(), MakeDefaultTerms({}), {});
   EXPECT_GT(result.valid_samples, 50);
   for (const JacobianBlockCheck& block : result.blocks) {
     EXPECT_LT(block.autodiff_error.value_or(0), 1e-8) << block.residual << ", " << block.block;
