@@ -78,11 +78,13 @@ double Contrast(const ImageF& image, const MicroLensGrid& grid) {
   for (const LensIndex& lens : LensesWithin(grid, width, height, 1e9)) {
     const Eigen::Vector2d a = grid.MicroImageCenter(lens, width, height);
     const Eigen::Vector2d b = grid.MicroImageCenter({lens.i + 1, lens.j}, width, height);
-    // The third lens of a triangle is 60 degrees from the first two, on either base.
-    const bool acute = grid.base_x.dot(grid.base_y) > 0;
-    const Eigen::Vector2d c =
-        grid.MicroImageCenter({lens.i + (acute ? 0 : 1), lens.j + 1}, width, height);
-    const Eigen::Vector2d corner = (a + b + c) / 3;
+    const Eigen::Vector2d c = grid.MicroImageCenter({lens.i, lens.j + 1}, width, height);
+    const Eigen::Vector2d d = grid.MicroImageCenter({lens.i + 1, lens.j + 1}, width, height);
+    // Between the four lenses of a square, or three 60 degrees from each other on either base.
+    const double cosine = grid.base_x.dot(grid.base_y);
+    const Eigen::Vector2d corner = std::abs(cosine) < 0.25 ? Eigen::Vector2d((a + d) / 2)
+                                   : cosine > 0            ? Eigen::Vector2d((a + b + c) / 3)
+                                                           : Eigen::Vector2d((a + b + d) / 3);
     const auto inside = [&](const Eigen::Vector2d& p) {
       return image.view().Contains(p.x(), p.y(), 1);
     };
@@ -154,71 +156,86 @@ std::optional<GridFit> RefineGridOnFrames(const ImageF& mean_frame, const MicroL
   return fit;
 }
 
-std::optional<GridFit> EstimateGrid(const ImageF& white) {
-  const int size = std::min({white.width(), white.height(), 512});
-  if (size < 64) return std::nullopt;
-  const int left = (white.width() - size) / 2;
-  const int top = (white.height() - size) / 2;
-  cv::Mat window;
-  cv::createHanningWindow(window, cv::Size(size, size), CV_32F);
-  cv::Mat patch(size, size, CV_32F);
-  double mean = 0;
-  for (int y = 0; y < size; ++y) {
-    for (int x = 0; x < size; ++x) mean += white(left + x, top + y);
-  }
-  mean /= static_cast<double>(size) * size;
-  for (int y = 0; y < size; ++y) {
-    for (int x = 0; x < size; ++x) {
-      patch.at<float>(y, x) =
-          (white(left + x, top + y) - static_cast<float>(mean)) * window.at<float>(y, x);
+namespace {
+
+constexpr double kMinPitch = 6;  // px
+constexpr double kMaxPitch = 120;
+
+// The Fourier transform of the middle of an image under a Hann window.
+class MiddleSpectrum {
+ public:
+  explicit MiddleSpectrum(const ImageF& image)
+      : size_(std::min({image.width(), image.height(), 1024})),
+        corner_((image.width() - size_) / 2, (image.height() - size_) / 2) {
+    patch_ = cv::Mat(size_, size_, CV_32F);
+    for (int y = 0; y < size_; ++y) {
+      for (int x = 0; x < size_; ++x) {
+        patch_.at<float>(y, x) = image(corner_.x() + x, corner_.y() + y);
+      }
     }
+    cv::Mat window;
+    cv::createHanningWindow(window, patch_.size(), CV_32F);
+    patch_ -= cv::mean(patch_);
+    patch_ = patch_.mul(window);
+    cv::Mat spectrum, parts[2];
+    cv::dft(patch_, spectrum, cv::DFT_COMPLEX_OUTPUT);
+    cv::split(spectrum, parts);
+    const cv::Mat power = parts[0].mul(parts[0]) + parts[1].mul(parts[1]);
+    constexpr int kAround = 7;  // bins
+    constexpr int kPeak = 2;
+    cv::Mat wrapped, around, near;
+    cv::copyMakeBorder(power, wrapped, kAround, kAround, kAround, kAround, cv::BORDER_WRAP);
+    const auto sum = [&](int reach) {
+      cv::Mat sums;
+      const cv::Size side(2 * reach + 1, 2 * reach + 1);
+      cv::boxFilter(wrapped, sums, CV_64F, side, {-1, -1}, false);
+      return cv::Mat(sums, {kAround, kAround, size_, size_}).clone();
+    };
+    constexpr int kRing = (2 * kAround + 1) * (2 * kAround + 1) - (2 * kPeak + 1) * (2 * kPeak + 1);
+    background_ = (sum(kAround) - sum(kPeak)) / kRing;
+    cv::dilate(power, power_, cv::Mat::ones(3, 3, CV_8U));
   }
-  // Fourier coefficient at any frequency (cycles per px), by direct summation over a separable grid
-  // of the transform near the peak would do; the peak itself is found on the FFT.
-  cv::Mat spectrum;
-  cv::dft(patch, spectrum, cv::DFT_COMPLEX_OUTPUT);
-  const auto coefficient = [&](const Eigen::Vector2d& k) {
+
+  int size() const { return size_; }
+  Eigen::Vector2d corner() const { return corner_.cast<double>(); }
+
+  // At any frequency, cycles per px from the patch's corner.
+  std::complex<double> At(const Eigen::Vector2d& k) const {
     std::complex<double> sum = 0;
-    for (int y = 0; y < size; ++y) {
-      std::complex<double> phase = std::polar(1.0, -2 * M_PI * (k.y() * y - k.x() * 0.0));
-      const std::complex<double> turn = std::polar(1.0, -2 * M_PI * k.x());
-      std::complex<double> row = 0;
-      for (int x = 0; x < size; ++x) {
-        row += static_cast<double>(patch.at<float>(y, x)) * phase;
+    const std::complex<double> turn = std::polar(1.0, -2 * M_PI * k.x());
+    for (int y = 0; y < size_; ++y) {
+      std::complex<double> phase = std::polar(1.0, -2 * M_PI * k.y() * y);
+      const float* row = patch_.ptr<float>(y);
+      for (int x = 0; x < size_; ++x) {
+        sum += static_cast<double>(row[x]) * phase;
         phase *= turn;
       }
-      sum += row;
     }
     return sum;
-  };
-  Eigen::Vector2d k1(0, 0);
-  double strongest = 0;
-  for (int v = 0; v < size; ++v) {
-    for (int u = 0; u <= size / 2; ++u) {
-      const Eigen::Vector2d k(static_cast<double>(u) / size,
-                              static_cast<double>(v < size / 2 ? v : v - size) / size);
-      // A pitch D has reciprocal vectors of length 2 / (sqrt(3) D).
-      const double pitch = 2 / (std::sqrt(3.0) * std::max(k.norm(), 1e-9));
-      if (pitch < 6 || pitch > 120) continue;
-      const cv::Vec2f c = spectrum.at<cv::Vec2f>(v, u);
-      const double power = c[0] * c[0] + c[1] * c[1];
-      if (power > strongest) {
-        strongest = power;
-        k1 = k;
-      }
-    }
   }
-  if (strongest == 0) return std::nullopt;
-  const auto climb = [&](Eigen::Vector2d k) {
-    double best = std::abs(coefficient(k));
-    for (double step = 0.5 / size; step > 0.01 / size; step /= 2) {
+
+  // The largest power within one bin of k, and how many times that of the bins around it is.
+  struct Peak {
+    double power, salience;
+  };
+  Peak PeakAt(const Eigen::Vector2d& k) const {
+    const int u = (static_cast<int>(std::lround(k.x() * size_)) % size_ + size_) % size_;
+    const int v = (static_cast<int>(std::lround(k.y() * size_)) % size_ + size_) % size_;
+    const double power = power_.at<float>(v, u);
+    return {power, power / std::max(background_.at<double>(v, u), 1e-9)};
+  }
+
+  // The frequency of the maximum near k.
+  Eigen::Vector2d Climb(Eigen::Vector2d k) const {
+    double best = std::abs(At(k));
+    for (double step = 0.5 / size_; step > 0.01 / size_; step /= 2) {
       for (bool moved = true; moved;) {
         moved = false;
         for (const Eigen::Vector2d& d : {Eigen::Vector2d(step, 0),
                                          Eigen::Vector2d(-step, 0),
                                          Eigen::Vector2d(0, step),
                                          Eigen::Vector2d(0, -step)}) {
-          const double value = std::abs(coefficient(k + d));
+          const double value = std::abs(At(k + d));
           if (value > best) {
             best = value;
             k += d;
@@ -228,42 +245,149 @@ std::optional<GridFit> EstimateGrid(const ImageF& white) {
       }
     }
     return k;
-  };
-  k1 = climb(k1);
-  const Eigen::Vector2d k2 = climb(Eigen::Rotation2Dd(M_PI / 3) * k1);
-  if (std::abs(k2.norm() / k1.norm() - 1) > 0.05 || std::norm(coefficient(k2)) < 0.1 * strongest) {
-    return std::nullopt;
   }
+
+ private:
+  int size_;
+  Eigen::Vector2i corner_;
+  cv::Mat patch_, power_, background_;
+};
+
+// A lattice by the directions of its shortest reciprocal vectors, all of one length.
+struct LatticeKind {
+  double turn;             // between neighbouring reciprocal vectors, rad
+  int vectors;             // of them in half a turn
+  double pitch_of_unit;    // of a lattice whose reciprocal vectors have length 1
+  double symmetry;         // turned by this it is the same
+  Eigen::Vector2d base_y;  // to base_x = (1, 0)
+};
+const LatticeKind kHexagonal = {
+    M_PI / 3, 3, 2 / std::sqrt(3.0), M_PI / 3, {0.5, 0.86602540378443864676}};
+const LatticeKind kSquare = {M_PI / 2, 2, 1, M_PI / 2, {0, 1}};
+
+struct Reciprocal {
+  Eigen::Vector2d k = Eigen::Vector2d::Zero();
+  double power = 0;  // geometric mean with those turned from it
+};
+
+// The shortest reciprocal vector of those that stand out together with the ones turned from it.
+// Weaker ones are not taken: several lens types make a lattice of their own, wider than that of the
+// lenses.
+Reciprocal FindReciprocal(const MiddleSpectrum& spectrum, const LatticeKind& kind) {
+  constexpr double kMinSalience = 20;
+  constexpr double kWeak = 0.1;
+  const int size = spectrum.size();
+  std::vector<Reciprocal> candidates;
+  double most = 0;
+  for (int v = -size / 2; v < size / 2; ++v) {
+    for (int u = 0; u < size / 2; ++u) {
+      const Eigen::Vector2d k(static_cast<double>(u) / size, static_cast<double>(v) / size);
+      const double pitch = kind.pitch_of_unit / std::max(k.norm(), 1e-9);
+      if (pitch < kMinPitch || pitch > kMaxPitch) continue;
+      double power = 1, salience = 1;
+      for (int i = 0; i < kind.vectors; ++i) {
+        const auto peak = spectrum.PeakAt(Eigen::Rotation2Dd(i * kind.turn) * k);
+        power *= std::pow(peak.power, 1.0 / kind.vectors);
+        salience *= std::pow(peak.salience, 1.0 / kind.vectors);
+      }
+      if (salience < kMinSalience) continue;
+      candidates.push_back({k, power});
+      most = std::max(most, power);
+    }
+  }
+  const auto is_weak = [&](const Reciprocal& c) { return c.power < kWeak * most; };
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_weak), candidates.end());
+  if (candidates.empty()) return {};
+  const Reciprocal shortest = *std::min_element(
+      candidates.begin(), candidates.end(), [](const Reciprocal& a, const Reciprocal& b) {
+        return a.k.norm() < b.k.norm();
+      });
+  Reciprocal best = shortest;  // a bin on the flank of its peak
+  for (const Reciprocal& candidate : candidates) {
+    if ((candidate.k - shortest.k).norm() * size < 4 && candidate.power > best.power) {
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+// The grid of the lattice with reciprocal vectors k1 and k2, by the phases of the spectrum.
+std::optional<MicroLensGrid> GridOf(const MiddleSpectrum& spectrum,
+                                    const LatticeKind& kind,
+                                    const Eigen::Vector2d& k1,
+                                    const ImageF& image) {
+  const Eigen::Vector2d k2 = spectrum.Climb(Eigen::Rotation2Dd(kind.turn) * k1);
+  if (std::abs(k2.norm() / k1.norm() - 1) > 0.05) return std::nullopt;
   // Lattice vectors a with a . k1, a . k2 integers.
   Eigen::Matrix2d reciprocal;
   reciprocal << k1.transpose(), k2.transpose();
   const Eigen::Matrix2d basis = reciprocal.inverse();
-  const Eigen::Vector2d phases(-std::arg(coefficient(k1)) / (2 * M_PI),
-                               -std::arg(coefficient(k2)) / (2 * M_PI));
-  const Eigen::Vector2d middle(0.5 * (white.width() - 1), 0.5 * (white.height() - 1));
-  const Eigen::Vector2d corner(left, top);
-  const Eigen::Vector2d lattice = reciprocal * (middle - corner) - phases;
+  const Eigen::Vector2d phases(-std::arg(spectrum.At(k1)) / (2 * M_PI),
+                               -std::arg(spectrum.At(k2)) / (2 * M_PI));
+  const Eigen::Vector2d middle(0.5 * (image.width() - 1), 0.5 * (image.height() - 1));
+  const Eigen::Vector2d lattice = reciprocal * (middle - spectrum.corner()) - phases;
   const Eigen::Vector2d nearest =
-      corner + basis * (Eigen::Vector2d(std::round(lattice.x()), std::round(lattice.y())) + phases);
+      spectrum.corner() +
+      basis * (Eigen::Vector2d(std::round(lattice.x()), std::round(lattice.y())) + phases);
 
-  GridFit fit;
-  fit.grid.diameter_px = std::sqrt(basis.col(0).norm() * basis.col(1).norm());
-  fit.grid.offset_px = {nearest.x() - middle.x(), middle.y() - nearest.y()};
-  // Orientation of the lattice with y up, modulo 60 degrees; rows (0) or columns (30).
+  MicroLensGrid grid;
+  grid.diameter_px = std::sqrt(basis.col(0).norm() * basis.col(1).norm());
+  grid.offset_px = {nearest.x() - middle.x(), middle.y() - nearest.y()};
+  grid.base_y = kind.base_y;
+  // Orientation with y up, modulo the symmetry; a hexagonal lattice stands in rows (0) or columns.
   double angle = std::atan2(-basis(1, 0), basis(0, 0));
-  angle -= M_PI / 3 * std::round(angle / (M_PI / 3));  // -30 to 30 degrees
-  if (std::abs(angle) > M_PI / 12) {
-    fit.grid.base_x = {0, 1};
-    fit.grid.base_y = {0.86602540378443864676, 0.5};
+  angle -= kind.symmetry * std::round(angle / kind.symmetry);
+  if (kind.vectors == 3 && std::abs(angle) > M_PI / 12) {
+    grid.base_x = {0, 1};
+    grid.base_y = {0.86602540378443864676, 0.5};
     angle -= angle > 0 ? M_PI / 6 : -M_PI / 6;
   }
-  fit.grid.rotation = angle;
-  for (double region = size / 2.0;; region *= 2) {
-    if (!RefineByCentroids(white, region, &fit)) return std::nullopt;
-    if (region > std::max(white.width(), white.height())) break;
+  grid.rotation = angle;
+  return grid;
+}
+
+// From the middle of the image outwards.
+std::optional<GridFit> FindGrid(const ImageF& image) {
+  if (std::min(image.width(), image.height()) < 64) return std::nullopt;
+  const MiddleSpectrum spectrum(image);
+  const Reciprocal hexagonal = FindReciprocal(spectrum, kHexagonal);
+  const Reciprocal square = FindReciprocal(spectrum, kSquare);
+  if (std::max(hexagonal.power, square.power) == 0) return std::nullopt;
+  const bool is_square = square.power > hexagonal.power;
+  const LatticeKind& kind = is_square ? kSquare : kHexagonal;
+  const Eigen::Vector2d k1 = spectrum.Climb(is_square ? square.k : hexagonal.k);
+  const std::optional<MicroLensGrid> grid = GridOf(spectrum, kind, k1, image);
+  if (!grid) return std::nullopt;
+  GridFit fit;
+  fit.grid = *grid;
+  for (double region = spectrum.size() / 2.0;; region *= 2) {
+    if (!RefineByCentroids(image, region, &fit)) return std::nullopt;
+    if (region > std::max(image.width(), image.height())) break;
   }
-  fit.contrast = Contrast(white, fit.grid);
+  fit.contrast = Contrast(image, fit.grid);
   return fit;
+}
+
+// Of what FindGrid finds in anything, only what is a grid.
+std::optional<GridFit> OnlyIfItFits(std::optional<GridFit> fit) {
+  constexpr double kMaxRms = 0.05;  // pitches
+  constexpr double kMinContrast = 0.05;
+  if (fit && fit->rms_px <= kMaxRms * fit->grid.diameter_px && fit->contrast >= kMinContrast) {
+    return fit;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<GridFit> EstimateGrid(const ImageF& white) { return OnlyIfItFits(FindGrid(white)); }
+
+std::optional<GridFit> EstimateGridOnFrames(const ImageF& mean_frame) {
+  std::optional<GridFit> fit = FindGrid(mean_frame);
+  if (!fit) return std::nullopt;
+  RefineByProfile(mean_frame, &*fit);
+  fit->contrast = Contrast(mean_frame, fit->grid);
+  return OnlyIfItFits(fit);
 }
 
 ImageF MeanImage(const std::vector<cv::Mat>& images) {

@@ -33,10 +33,14 @@ std::optional<GridFit> RefineGrid(const ImageF& white, const MicroLensGrid& star
 // (micro_image_centers.h): some 0.01 px again.
 std::optional<GridFit> RefineGridOnFrames(const ImageF& mean_frame, const MicroLensGrid& start);
 
-// Finds a hexagonal grid in a white image from nothing: reciprocal lattice vectors by Fourier
-// transform of the middle, then RefineGrid outwards. One lens type. Nothing if no hexagonal pattern
-// with a pitch of 6 to 120 px stands out.
+// Finds a hexagonal or square grid in a white image from nothing: reciprocal lattice vectors by
+// Fourier transform of the middle, then as RefineGrid outwards. One lens type. Nothing if there is
+// no pattern with a pitch of 6 to 120 px that fits to 5 % of its pitch (RMS) and is brighter at
+// the centres than between them.
 std::optional<GridFit> EstimateGrid(const ImageF& white);
+
+// The same in a mean of raw frames, as RefineGridOnFrames.
+std::optional<GridFit> EstimateGridOnFrames(const ImageF& mean_frame);
 
 // Mean of gray values of images of one size (8 or 16 bits, 1 or 3 channels), 0 to 255.
 // Precondition: not empty.

@@ -99,6 +99,35 @@ TEST(GridEstimation, FindsRowsAndColumnsTurnedEitherWayUnderShading) {
   }
 }
 
+TEST(GridEstimation, FindsSquareArrays) {
+  for (const double rotation : {-0.01, 0.0, 0.3}) {
+    PlenopticCamera camera = SquareCamera(512);
+    camera.micro_lens_grid->rotation = rotation;
+    const auto fit = EstimateGrid(ShadedWhite(camera));
+    ASSERT_TRUE(fit) << rotation;
+    EXPECT_LT(LargestDistance(*camera.micro_lens_grid, fit->grid, 512), 0.02) << rotation;
+    EXPECT_NEAR(fit->grid.base_x.dot(fit->grid.base_y), 0, 1e-9);
+  }
+}
+
+TEST(GridEstimation, FindsHexagonalAndSquareArraysInFrames) {
+  for (const PlenopticCamera& camera : {CameraWithGrid(true, 0.004), SquareCamera(512)}) {
+    const auto fit = EstimateGridOnFrames(FrameWithDarkGaps(camera));
+    ASSERT_TRUE(fit);
+    EXPECT_LT(LargestDistance(*camera.micro_lens_grid, fit->grid, 512), 0.1);
+  }
+}
+
+TEST(GridEstimation, FindsNoGridWhereThereIsNone) {
+  const auto scene = [](double X, double Y) { return WavyTexture(0.3 * X, 0.3 * Y); };
+  ImageF image(512, 512);
+  for (int y = 0; y < 512; ++y) {
+    for (int x = 0; x < 512; ++x) image(x, y) = static_cast<float>(scene(x, y));
+  }
+  EXPECT_FALSE(EstimateGrid(image));
+  EXPECT_FALSE(EstimateGridOnFrames(image));
+}
+
 TEST(GridEstimation, WhatTheSceneShowsDoesNotMoveTheGrid) {
   struct Start {
     Eigen::Vector2d offset_px;
