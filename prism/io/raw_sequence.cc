@@ -40,6 +40,13 @@ RawSequence::RawSequence(const std::string& folder, const PlenopticCamera& camer
   if (entries_.empty()) throw InputError(list, "no frames", "a line `time path` a frame");
 }
 
+std::vector<RawFrame> RawSequence::ReadSome(int max_frames) const {
+  const int count = std::min(size(), max_frames);
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < count; ++i) frames.push_back(Read(i * size() / count));
+  return frames;
+}
+
 RawFrame RawSequence::Read(int index) const {
   const Entry& entry = entries_[index];
   RawFrame frame;

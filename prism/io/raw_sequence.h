@@ -32,6 +32,9 @@ class RawSequence {
   // Safe to call from several threads. Precondition: 0 <= index < size().
   RawFrame Read(int index) const;
 
+  // At most `max_frames`, spread evenly over the sequence.
+  std::vector<RawFrame> ReadSome(int max_frames) const;
+
   // Path of the folder's white.png, empty if it has none.
   std::string WhiteImagePath() const;
 

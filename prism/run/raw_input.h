@@ -32,6 +32,12 @@ struct RawInputOptions {
   int threads = 0;              // of the processing, now and later (LightFieldOptions)
 };
 
+// Frames of a sequence that are looked at where a camera's files leave something open.
+inline constexpr int kFramesToLookAt = 6;
+
+// The options of the processing; OptionError for an unknown colour or a negative number of threads.
+LightFieldOptions LightFieldOptionsOf(const RawInputOptions& options);
+
 // A raw sequence with all that its processing needs.
 struct RawInput {
   PlenopticCamera camera;  // with its micro-lens grid, refined
@@ -42,10 +48,11 @@ struct RawInput {
 };
 
 // Opens a raw sequence. A grid is refined on the white image, or on some frames where there is
-// none, which then also tell the vignetting; the order of its lens types is decided by sharpness.
-// `auto` takes images of one channel as gray and others as colour. Throws InputError, also for a
-// grid whose pitch does not fit the white image, and OptionError for an unknown colour or a
-// negative number of threads.
+// none, which then also tell the vignetting. What is still open is decided by the first frame: the
+// sign of the grid's rotation where it could not be refined, the mode where lenses hardly agree in
+// the camera's, and the order of lens types by sharpness. `auto` takes images of one channel as
+// gray and others as colour. Throws InputError, also for a grid whose pitch does not fit the white
+// image, and OptionError as LightFieldOptionsOf.
 RawInput OpenRawInput(const RawInputOptions& options);
 
 }  // namespace prism

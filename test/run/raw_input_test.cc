@@ -83,6 +83,34 @@ TEST_F(RawInputTest, AnUnknownColourIsABadOption) {
               HasSubstr("colour: found 'sepia', expected auto, gray"));
 }
 
+TEST_F(RawInputTest, UpsideDownMicroImagesAreReadInTheOtherMode) {
+  const PlenopticCamera keplerian = SmallCamera(320, MicroLensMode::kKeplerian);
+  WriteRawFolder(folder_, 1, keplerian);
+  EXPECT_EQ(Open().camera.mode, MicroLensMode::kKeplerian);
+  EXPECT_EQ(Open().grid_report.find("upside down"), std::string::npos);
+  PlenopticCamera mistaken = keplerian;
+  mistaken.mode = MicroLensMode::kGalilean;
+  WriteNativeCamera(folder_ + "/camera.yaml", mistaken);
+  const RawInput input = Open();
+  EXPECT_EQ(input.camera.mode, MicroLensMode::kKeplerian);
+  EXPECT_THAT(input.grid_report, HasSubstr("upside down for a galilean camera"));
+}
+
+// Vignetting-corrected frames show no rims to refine the grid on; lenses agree with the right sign.
+TEST_F(RawInputTest, TheSignOfTheRotationIsDecidedByWhatLensesAgreeOn) {
+  camera_ = SmallCamera(640);
+  camera_.micro_lens_grid->rotation = 0.004;
+  std::filesystem::remove(folder_ + "/white.png");
+  cv::imwrite(folder_ + "/0.png", RenderPlane(camera_, 0.3, WavyTexture, 1));
+  for (const double filed : {0.004, -0.004}) {
+    PlenopticCamera camera = camera_;
+    camera.micro_lens_grid->rotation = filed;
+    WriteNativeCamera(folder_ + "/camera.yaml", camera);
+    const RawInput input = Open();
+    EXPECT_NEAR(input.camera.micro_lens_grid->rotation, 0.004, 5e-4) << input.grid_report;
+  }
+}
+
 // Frames in which the lenses of type 1 are sharp and those of types 0 and 2 are not, opened with a
 // file that has them right and one that has types 1 and 2 exchanged.
 TEST_F(RawInputTest, TheOrderOfLensTypesIsDecidedBySharpness) {

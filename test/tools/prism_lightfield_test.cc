@@ -57,6 +57,9 @@ TEST_F(PrismLightfieldTest, RefinesTheGridAndSaysHow) {
   EXPECT_EQ(result.exit_status, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("refined on the white image"));
   fs::remove(Path("white.png"));
+  PlenopticCamera moved = camera_;
+  moved.micro_lens_grid->offset_px += Eigen::Vector2d(1.5, -1);
+  WriteNativeCamera(Path("camera.yaml"), moved);
   const ProgramResult without_white = Run();
   EXPECT_EQ(without_white.exit_status, 0) << without_white.output;
   EXPECT_THAT(without_white.output, HasSubstr("refined on the raw frames"));
