@@ -16,12 +16,12 @@
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
 #include "prism/lightfield/depth_accuracy.h"
-#include "prism/lightfield/grid_estimation.h"
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/lightfield/pinhole_view.h"
 #include "prism/lightfield/reprojection.h"
 #include "prism/lightfield/verdict.h"
 #include "prism/lightfield/with_threads.h"
+#include "prism/run/micro_lens_estimation.h"
 #include "prism/run/raw_input.h"
 #include "tools/rgbd_writer.h"
 #include "tools/tool_main.h"
@@ -39,9 +39,11 @@ DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
 DEFINE_string(truth, "", "Folder with true inverse virtual depth, NNNNNN.png by frame number.");
 DEFINE_string(export_rgbd, "", "Folder for the pinhole view as TUM RGB-D; default: pinhole/.");
 DEFINE_double(crop_fov_deg, 0, "Field of view the pinhole view is cropped to; 0: not cropped.");
-DEFINE_bool(estimate_grid,
-            false,
-            "Only find the grid in --white_image; --camera with it goes to --camera_out.");
+DEFINE_bool(
+    estimate_grid,
+    false,
+    "Only find the micro lenses: their grid in --white_image or --raw, their mode and types "
+    "in --raw. --camera with them goes to --camera_out.");
 DEFINE_string(camera_out, "", "Camera file (native YAML) written by --estimate_grid.");
 DEFINE_int32(max_frames, 0, "Number of frames to process; 0: all.");
 DEFINE_int32(threads, 2, "Threads; 0: one a core. The result does not depend on it.");
@@ -62,28 +64,21 @@ void ApplyFlags(LightFieldOptions* changed) {
   }
 }
 
-ExitStatus EstimateGridFromWhite() {
+RawInputOptions InputOptions() {
+  return {FLAGS_raw,
+          FLAGS_camera,
+          FLAGS_micro_lens_grid,
+          FLAGS_white_image,
+          FLAGS_colour,
+          FLAGS_threads};
+}
+
+ExitStatus EstimateGridOnly() {
   RequireFlag("camera", FLAGS_camera, "a camera file");
-  RequireFlag("white_image", FLAGS_white_image, "a white image");
   RequireFlag("camera_out", FLAGS_camera_out, "a camera file to write");
-  PlenopticCamera camera = ReadPlenopticCamera(FLAGS_camera);
-  const cv::Mat white = ReadWhiteImage(FLAGS_white_image, camera);
-  const std::optional<GridFit> fit = EstimateGrid(MeanImage({white}));
-  if (!fit) {
-    throw InputError(FLAGS_white_image, "no hexagonal pattern", "a pitch of 6 to 120 px");
-  }
-  camera.micro_lens_grid = fit->grid;
-  WriteNativeCamera(FLAGS_camera_out, camera);
-  std::printf(
-      "%d micro images, pitch %.5f px, rotation %.6f rad, offset (%.4f, %.4f) px, RMS %.4f px; "
-      "written to %s\n",
-      fit->lenses,
-      fit->grid.diameter_px,
-      fit->grid.rotation,
-      fit->grid.offset_px.x(),
-      fit->grid.offset_px.y(),
-      fit->rms_px,
-      FLAGS_camera_out.c_str());
+  const MicroLensEstimate estimate = EstimateMicroLenses(InputOptions());
+  WriteNativeCamera(FLAGS_camera_out, estimate.camera);
+  std::cout << estimate.report << "written to " << FLAGS_camera_out << std::endl;
   return kExitDone;
 }
 
@@ -152,12 +147,7 @@ ExitStatus ProcessSequence() {
   RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
   cv::setNumThreads(FLAGS_threads > 0 ? FLAGS_threads : -1);
-  RawInput input = OpenRawInput({FLAGS_raw,
-                                 FLAGS_camera,
-                                 FLAGS_micro_lens_grid,
-                                 FLAGS_white_image,
-                                 FLAGS_colour,
-                                 FLAGS_threads});
+  RawInput input = OpenRawInput(InputOptions());
   ApplyFlags(&input.options);
   std::cout << input.grid_report << std::endl;
   if (!FLAGS_truth.empty() && !std::filesystem::is_directory(FLAGS_truth)) {
@@ -217,7 +207,7 @@ ExitStatus ProcessSequence() {
   return verdict.IsUsable() ? kExitDone : kExitRunFailed;
 }
 
-ExitStatus Run() { return FLAGS_estimate_grid ? EstimateGridFromWhite() : ProcessSequence(); }
+ExitStatus Run() { return FLAGS_estimate_grid ? EstimateGridOnly() : ProcessSequence(); }
 
 }  // namespace
 }  // namespace prism
@@ -228,7 +218,7 @@ int main(int argc, char** argv) {
        "turns raw plenoptic frames into virtual depth, totally focused images and pinhole views.",
        "--raw=FOLDER --camera=FILE [--micro_lens_grid=FILE] [--white_image=FILE] "
        "--output_dir=FOLDER\n"
-       "       prism_lightfield --estimate_grid --camera=FILE --white_image=FILE "
+       "       prism_lightfield --estimate_grid --camera=FILE [--white_image=FILE] [--raw=FOLDER] "
        "--camera_out=FILE",
        "prism_lightfield --raw=house_raw --camera=house_raw/CameraModel.xml "
        "--micro_lens_grid=house_raw/MLA_Calibration.xml --output_dir=out/house"},
