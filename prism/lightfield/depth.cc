@@ -144,7 +144,8 @@ void DepthEstimator::MeasureTexture(const PreparedRaw& raw) {
   int bin = 0;
   for (int seen = histogram[0]; bin < 1023 && 2 * seen < total; seen += histogram[++bin]) {
   }
-  noise_ = std::max((bin + 0.5) / 32 / (0.8 * 0.6745), 0.3);
+  const double noise = raw.mosaic_noise > 0 ? raw.mosaic_noise : (bin + 0.5) / 32 / (0.8 * 0.6745);
+  noise_ = std::max(noise, 0.3);
 
   const float threshold = static_cast<float>(options_.min_gradient * noise_ * kSmoothNoise);
   const float threshold_squared = threshold * threshold;

@@ -10,10 +10,15 @@
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "prism/lightfield/colour_mosaic.h"
 #include "prism/lightfield/patch_kernel.h"
 
 namespace prism {
 namespace {
+
+// Noise of PreparedRaw::smooth made of a mosaic (bilinear interpolation, weights of gray 0.30,
+// 0.59, 0.11) over that of white noise as large as the mosaic's.
+constexpr double kDemosaicedNoise = 0.843;
 
 int BayerToGrayCode(RawPixels pixels) {
   switch (pixels) {
@@ -247,6 +252,10 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     }
   }
   ToGray(raw, &prepared->gray);
+  if (options_.pixels != RawPixels::kGray) {
+    const cv::Mat gain(height, width, CV_32F, gain_.data());
+    prepared->mosaic_noise = kDemosaicedNoise * MosaicNoise(raw, gain);
+  }
   const float saturation = static_cast<float>(options_.saturation);
   tbb::parallel_for(0, height, [&](int y) {
     float* gray = prepared->gray.row(y);

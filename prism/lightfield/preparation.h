@@ -29,6 +29,9 @@ struct PreparationOptions {
 struct PreparedRaw {
   ImageF gray;            // vignetting-corrected
   HalfPixelImage smooth;  // gray under the filters of FilterHalfPixels
+  // Of a Bayer mosaic: the standard deviation of white noise in `gray` that would give `smooth` the
+  // noise it has. Interpolation hides noise from whoever looks at `gray` alone. 0: no mosaic.
+  double mosaic_noise = 0;
   // Colour + 1 of the lens (LensTable) if bilinear interpolation of `smooth` in [x, x+1] x [y, y+1]
   // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
   // would shift the image inwards and bias the depth.

@@ -13,6 +13,7 @@
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/lightfield/camera_trial.h"
+#include "prism/lightfield/colour_mosaic.h"
 #include "prism/lightfield/grid_estimation.h"
 #include "prism/lightfield/vignetting.h"
 #include "prism/lightfield/with_threads.h"
@@ -42,6 +43,38 @@ std::optional<RawPixels> PixelsOf(const std::string& colour) {
 
 int ChannelsOf(const std::string& colour) {
   return colour == "auto" ? 0 : colour == "colour" ? 3 : 1;
+}
+
+// Bayer patterns with green where the frame has it; gray for none.
+std::string ColoursOf(Mosaic mosaic) {
+  switch (mosaic) {
+    case Mosaic::kNone:
+      return "gray";
+    case Mosaic::kGreenOnMainDiagonal:
+      return "bayer_grbg or bayer_gbrg";
+    case Mosaic::kGreenOnOtherDiagonal:
+      return "bayer_rggb or bayer_bggr";
+    case Mosaic::kGreenOnUnknownDiagonal:
+      return "one of bayer_rggb, bayer_bggr, bayer_grbg, bayer_gbrg";
+  }
+  return "";
+}
+
+// A mosaic read as gray, or in another pattern, is garbage to whoever compares pixels. `gray` and
+// the patterns are taken at their word where the frame does not contradict.
+void RequireItsColour(const RawFrame& frame, const RawInputOptions& options) {
+  if (frame.image.channels() != 1) return;
+  const Mosaic mosaic = FindMosaic(frame.image);
+  const std::string colours = ColoursOf(mosaic);
+  const bool is_declared = colours.find(options.colour) != std::string::npos;
+  if (mosaic == Mosaic::kNone || is_declared) return;
+  if (options.colour == "gray") {
+    LOG(WARNING) << frame.path << " looks like a colour mosaic (" << colours << "), read as gray";
+    return;
+  }
+  throw InputError(frame.path,
+                   "a colour mosaic in an image of one channel",
+                   "--colour=" + colours + ", or gray");
 }
 
 [[noreturn]] void ThrowGridDoesNotFit(const std::string& grid_path,
@@ -284,6 +317,7 @@ RawInput OpenRawInput(const RawInputOptions& options) {
                      "one there or in a micro_lens_grid file, for raw frames");
   }
   input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
+  RequireItsColour(input.sequence->Read(0), options);
   const std::string white =
       options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
   if (!white.empty() && white != kNoWhiteImage) {

@@ -51,8 +51,9 @@ struct RawInput {
 // none, which then also tell the vignetting. What is still open is decided by the first frame: the
 // sign of the grid's rotation where it could not be refined, the mode where lenses hardly agree in
 // the camera's, and the order of lens types by sharpness. `auto` takes images of one channel as
-// gray and others as colour. Throws InputError, also for a grid whose pitch does not fit the white
-// image, and OptionError as LightFieldOptionsOf.
+// gray and others as colour; a Bayer mosaic that is not declared as one, or with green on the other
+// diagonal, is an error (a warning for `gray`). Throws InputError, also for a grid whose pitch does
+// not fit the white image, and OptionError as LightFieldOptionsOf.
 RawInput OpenRawInput(const RawInputOptions& options);
 
 }  // namespace prism

@@ -96,6 +96,25 @@ TEST_F(RawInputTest, UpsideDownMicroImagesAreReadInTheOtherMode) {
   EXPECT_THAT(input.grid_report, HasSubstr("upside down for a galilean camera"));
 }
 
+TEST_F(RawInputTest, AMosaicIsNotTakenForGray) {
+  cv::Mat raw = cv::imread(folder_ + "/0.png", cv::IMREAD_UNCHANGED);
+  for (int y = 0; y < raw.rows; ++y) {
+    for (int x = 0; x < raw.cols; ++x) {
+      const double gain = x % 2 != y % 2 ? 1 : x % 2 == 0 ? 0.8 : 0.5;  // RGGB
+      raw.at<uint8_t>(y, x) = static_cast<uint8_t>(gain * raw.at<uint8_t>(y, x));
+    }
+  }
+  cv::imwrite(folder_ + "/0.png", raw);
+  const std::string camera = folder_ + "/camera.yaml";
+  for (const char* wrong : {"auto", "bayer_grbg"}) {
+    EXPECT_THAT(MessageOf({folder_, camera, "", "", wrong}),
+                AllOf(HasSubstr("0.png: found a colour mosaic"), HasSubstr("bayer_rggb")))
+        << wrong;
+  }
+  EXPECT_EQ(MessageOf({folder_, camera, "", "", "bayer_rggb"}), "no error");
+  EXPECT_EQ(MessageOf({folder_, camera, "", "", "gray"}), "no error");
+}
+
 // Vignetting-corrected frames show no rims to refine the grid on; lenses agree with the right sign.
 TEST_F(RawInputTest, TheSignOfTheRotationIsDecidedByWhatLensesAgreeOn) {
   camera_ = SmallCamera(640);
