@@ -70,7 +70,8 @@ RawInputOptions InputOptions() {
           FLAGS_micro_lens_grid,
           FLAGS_white_image,
           FLAGS_colour,
-          FLAGS_threads};
+          FLAGS_threads,
+          true};
 }
 
 ExitStatus EstimateGridOnly() {

@@ -152,8 +152,9 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
     report.keyframes.push_back(entry.keyframe);
   }
   for (const MapPoint& point : odometry.MapPoints()) {
+    const auto& [red, green, blue] = point.rgb;
     report.cloud.push_back({point.p_in_world.cast<float>(),
-                            static_cast<uint8_t>(std::clamp(point.intensity, 0.0f, 255.0f))});
+                            static_cast<uint8_t>(0.299 * red + 0.587 * green + 0.114 * blue)});
   }
   if (!groundtruth.empty()) {
     report.groundtruth = groundtruth;

@@ -35,7 +35,8 @@ void RgbdWriter::Write(int64_t time_ns, const PinholeFrame& frame) {
   }
   const std::string name = FrameFileName(count_++);
   const std::filesystem::path root(folder_);
-  WriteImage((root / "rgb" / name).string(), gray);
+  const cv::Rect crop(left_, top_, camera_.width, camera_.height);
+  WriteImage((root / "rgb" / name).string(), frame.colour.empty() ? gray : frame.colour(crop));
   WriteImage((root / "depth" / name).string(), depth);
   const std::string time = FormatTime(time_ns);
   rgb_list_ += time + " rgb/" + name + "\n";

@@ -23,8 +23,7 @@ std::string InFolder(const std::string& folder, const std::string& name) {
 std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
   std::vector<PlyPoint> points;
   for (const MapPoint& point : map_points) {
-    points.push_back({point.p_in_world.cast<float>(),
-                      static_cast<uint8_t>(std::clamp(point.intensity, 0.0f, 255.0f))});
+    points.push_back({point.p_in_world.cast<float>(), point.rgb});
   }
   return points;
 }

@@ -123,6 +123,10 @@ void FocusedSequenceWriter::Write(const LightFieldFrame& frame) {
   WriteImage((root / "inverse_virtual_depth" / name).string(),
              Encode(frame.inverse_virtual_depth, frame.sigma, 1, -1));
   WriteImage((root / "sigma" / name).string(), Encode(frame.sigma, frame.sigma, 0, 1 / kMaxSigma));
+  if (!frame.colour.empty()) {
+    CreateDirectory((root / "colour").string());
+    WriteImage((root / "colour" / name).string(), frame.colour);
+  }
   list_ += FormatTime(frame.time_ns) + " focused/" + name + " inverse_virtual_depth/" + name +
            " sigma/" + name + "\n";
 }

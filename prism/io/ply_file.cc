@@ -21,7 +21,7 @@ void WritePly(const std::string& path, const std::vector<PlyPoint>& points) {
   for (const PlyPoint& point : points) {
     char bytes[kBytesPerPoint];
     std::memcpy(bytes, point.position.data(), 3 * sizeof(float));
-    std::memset(bytes + 3 * sizeof(float), point.intensity, 3);
+    std::memcpy(bytes + 3 * sizeof(float), point.rgb.data(), 3);
     contents.append(bytes, kBytesPerPoint);
   }
   WriteTextAtomically(path, contents);

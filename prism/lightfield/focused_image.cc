@@ -25,7 +25,8 @@ float TypeSharpness(const MicroLensGrid& grid, int type, float w) {
 
 void RenderFocusedImage(const PlenopticCamera& camera,
                         const LensTable& lenses,
-                        const PreparedRaw& raw,
+                        const ImageF& raw,
+                        const ImageF& lens_colour,
                         const ImageF& dense_inverse_virtual_depth,
                         ImageF* image) {
   const int width = camera.focused_width();
@@ -65,8 +66,8 @@ void RenderFocusedImage(const PlenopticCamera& camera,
       for (int k = 0; k < count; ++k) {
         const Lens& lens = lenses.lenses()[around[k]];
         ResampleLens(lens,
-                     raw.gray,
-                     raw.lens_colour,
+                     raw,
+                     lens_colour,
                      radius,
                      run,
                      sharpness[types == 1 ? 0 : lens.type],

@@ -3,7 +3,10 @@
 #include "prism/lightfield/light_field_processor.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
+
+#include <opencv2/core.hpp>
 
 #include "prism/camera/projection.h"
 #include "prism/lightfield/focused_image.h"
@@ -37,6 +40,23 @@ LightFieldFrame LightFieldProcessor::Process(const RawFrame& frame) {
   return WithThreads(options_.threads, [&] { return ProcessHere(frame); });
 }
 
+void LightFieldProcessor::Render(const ImageF& raw, ImageF* focused) const {
+  RenderFocusedImage(camera_, lenses_, raw, prepared_.lens_colour, dense_, focused);
+}
+
+cv::Mat LightFieldProcessor::RenderColour() const {
+  std::array<cv::Mat, 3> planes;
+  ImageF focused;
+  for (size_t c = 0; c < planes.size(); ++c) {
+    Render(prepared_.colour[c], &focused);
+    const cv::Mat plane(focused.height(), focused.width(), CV_32F, focused.data());
+    plane.convertTo(planes[c], CV_8U);
+  }
+  cv::Mat colour;
+  cv::merge(planes.data(), planes.size(), colour);
+  return colour;
+}
+
 LightFieldFrame LightFieldProcessor::ProcessHere(const RawFrame& frame) {
   LightFieldFrame result;
   result.time_ns = frame.time_ns;
@@ -59,7 +79,8 @@ LightFieldFrame LightFieldProcessor::ProcessHere(const RawFrame& frame) {
                                       options_.depth.min_inverse_virtual_depth,
                                       options_.depth.max_inverse_virtual_depth));
     dense_depth_.Fill(result.inverse_virtual_depth, result.sigma, far, &dense_);
-    RenderFocusedImage(camera_, lenses_, prepared_, dense_, &image);
+    Render(prepared_.gray, &image);
+    if (!prepared_.colour[0].empty()) result.colour = RenderColour();
   }
   {
     StageTimer::Scope scope(&timer_, "pyramid");

@@ -52,6 +52,8 @@ class LightFieldProcessor {
 
  private:
   LightFieldFrame ProcessHere(const RawFrame& frame);
+  void Render(const ImageF& raw, ImageF* focused) const;
+  cv::Mat RenderColour() const;
 
   PlenopticCamera camera_;
   LightFieldOptions options_;

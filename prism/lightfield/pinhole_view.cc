@@ -7,11 +7,29 @@
 
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
+#include <opencv2/core.hpp>
 
 #include "prism/camera/projection.h"
 #include "prism/image/interpolation.h"
 
 namespace prism {
+namespace {
+
+// Bilinear, within the image.
+cv::Vec3b InterpolateColour(const cv::Mat& image, const Eigen::Vector2d& px) {
+  const int x = std::min(static_cast<int>(px.x()), image.cols - 2);
+  const int y = std::min(static_cast<int>(px.y()), image.rows - 2);
+  const double fx = px.x() - x;
+  const double fy = px.y() - y;
+  const auto at = [&](int u, int v) { return cv::Vec3d(image.at<cv::Vec3b>(v, u)); };
+  const cv::Vec3d mean = (1 - fy) * ((1 - fx) * at(x, y) + fx * at(x + 1, y)) +
+                         fy * ((1 - fx) * at(x, y + 1) + fx * at(x + 1, y + 1));
+  return {cv::saturate_cast<uint8_t>(mean[0]),
+          cv::saturate_cast<uint8_t>(mean[1]),
+          cv::saturate_cast<uint8_t>(mean[2])};
+}
+
+}  // namespace
 
 PinholeFrame MakePinholeView(const PlenopticCamera& camera,
                              const LightFieldFrame& frame,
@@ -20,8 +38,10 @@ PinholeFrame MakePinholeView(const PlenopticCamera& camera,
   const ImageF& image = frame.image[0];
   CHECK_EQ(image.width(), projection.width);
   CHECK_EQ(dense_inverse_virtual_depth.size(), image.size());
-  PinholeFrame view{ImageF(image.width(), image.height(), 0),
-                    ImageF(image.width(), image.height(), 0)};
+  PinholeFrame view;
+  view.image = ImageF(image.width(), image.height(), 0);
+  view.depth = ImageF(image.width(), image.height(), 0);
+  if (!frame.colour.empty()) view.colour = cv::Mat(frame.colour.size(), CV_8UC3, cv::Scalar(0));
   tbb::parallel_for(0, image.height(), [&](int y) {
     for (int x = 0; x < image.width(); ++x) {
       Eigen::Vector2d x_V(x, y);
@@ -35,6 +55,9 @@ PinholeFrame MakePinholeView(const PlenopticCamera& camera,
       }
       if (!image.view().Contains(x_V.x(), x_V.y())) continue;
       view.image(x, y) = InterpolateBilinear(image, x_V.x(), x_V.y()).value;
+      if (!frame.colour.empty()) {
+        view.colour.at<cv::Vec3b>(y, x) = InterpolateColour(frame.colour, x_V);
+      }
       const float w = frame.inverse_virtual_depth(static_cast<int>(std::lround(x_V.x())),
                                                   static_cast<int>(std::lround(x_V.y())));
       if (w == 0) continue;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <opencv2/core/mat.hpp>
+
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/image/image.h"
 #include "prism/scene/frame.h"
@@ -9,8 +11,9 @@
 namespace prism {
 
 struct PinholeFrame {
-  ImageF image;  // gray, 0 to 255
-  ImageF depth;  // metres along the optical axis; 0 = no measurement
+  ImageF image;    // gray, 0 to 255
+  cv::Mat colour;  // BGR, 8 bits; empty where the frame has none
+  ImageF depth;    // metres along the optical axis; 0 = no measurement
 };
 
 // The pinhole view of supplement Section F: each pixel x_p of the plane 2B behind the micro-lens

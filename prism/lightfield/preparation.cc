@@ -37,6 +37,22 @@ int BayerToGrayCode(RawPixels pixels) {
   return -1;
 }
 
+int BayerToBgrCode(RawPixels pixels) {
+  switch (pixels) {
+    case RawPixels::kBayerRggb:
+      return cv::COLOR_BayerBG2BGR;
+    case RawPixels::kBayerBggr:
+      return cv::COLOR_BayerRG2BGR;
+    case RawPixels::kBayerGrbg:
+      return cv::COLOR_BayerGB2BGR;
+    case RawPixels::kBayerGbrg:
+      return cv::COLOR_BayerGR2BGR;
+    case RawPixels::kGray:
+      break;
+  }
+  return -1;
+}
+
 // Catmull-Rom: bilinear values would flatten the steep rim of a micro image.
 float InterpolateCubic(const ImageF& image, float x, float y) {
   const int x0 = static_cast<int>(x);
@@ -240,6 +256,21 @@ void RawPreparation::ToGray(const cv::Mat& raw, ImageF* gray) {
   source->convertTo(target, CV_32F, raw.depth() == CV_8U ? 1.0 : 1.0 / 257);
 }
 
+void RawPreparation::ToColour(const cv::Mat& raw, std::array<ImageF, 3>* colour) {
+  cv::Mat bgr = raw;
+  if (raw.channels() == 1) cv::cvtColor(raw, bgr, BayerToBgrCode(options_.pixels));
+  const cv::Mat gain(bgr.size(), CV_32F, gain_.data());
+  const double scale = raw.depth() == CV_8U ? 1.0 : 1.0 / 257;
+  for (int c = 0; c < 3; ++c) {
+    ImageF& plane = (*colour)[c];
+    if (plane.empty()) plane = ImageF(bgr.cols, bgr.rows);
+    cv::Mat target(bgr.size(), CV_32F, plane.data()), channel;
+    cv::extractChannel(bgr, channel, c);
+    channel.convertTo(target, CV_32F, scale);
+    cv::multiply(target, gain, target);
+  }
+}
+
 void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
   const int width = lenses_.width();
   const int height = lenses_.height();
@@ -252,6 +283,9 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     }
   }
   ToGray(raw, &prepared->gray);
+  if (options_.colour && (raw.channels() == 3 || options_.pixels != RawPixels::kGray)) {
+    ToColour(raw, &prepared->colour);
+  }
   if (options_.pixels != RawPixels::kGray) {
     const cv::Mat gain(height, width, CV_32F, gain_.data());
     prepared->mosaic_noise = kDemosaicedNoise * MosaicNoise(raw, gain);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
@@ -21,6 +22,7 @@ struct PreparationOptions {
   double min_relative_white = 0.75;  // darker in the white image than this share of what its micro
                                      // image is at the brightest: masked
   double saturation = 250;           // 0 to 255; brighter raw pixels are masked
+  bool colour = false;               // PreparedRaw::colour of colour and Bayer frames as well
 
   bool IsValid(std::string* error) const;
 };
@@ -32,6 +34,8 @@ struct PreparedRaw {
   // Of a Bayer mosaic: the standard deviation of white noise in `gray` that would give `smooth` the
   // noise it has. Interpolation hides noise from whoever looks at `gray` alone. 0: no mosaic.
   double mosaic_noise = 0;
+  // Blue, green, red, vignetting-corrected as gray is; empty unless asked for, and of gray frames.
+  std::array<ImageF, 3> colour;
   // Colour + 1 of the lens (LensTable) if bilinear interpolation of `smooth` in [x, x+1] x [y, y+1]
   // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
   // would shift the image inwards and bias the depth.
@@ -65,6 +69,7 @@ class RawPreparation {
 
  private:
   void ToGray(const cv::Mat& raw, ImageF* gray);
+  void ToColour(const cv::Mat& raw, std::array<ImageF, 3>* colour);
   void MeasureVignetting(const ImageF& white);
   void SumGainSlopes(PreparedRaw* prepared);
 

@@ -45,7 +45,7 @@ std::vector<MapPoint> Map::Points(const Window& window) const {
   std::vector<MapPoint> points;
   const auto add = [&](const RetiredPoint& point) {
     points.push_back(
-        {keyframes_.at(point.keyframe_id).cam_from_world.Inverse() * point.x_C, point.intensity});
+        {keyframes_.at(point.keyframe_id).cam_from_world.Inverse() * point.x_C, point.rgb});
   };
   for (const RetiredPoint& point : points_) add(point);
   for (const auto& keyframe : window.keyframes) {

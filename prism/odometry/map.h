@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <vector>
 
@@ -10,10 +12,10 @@
 
 namespace prism {
 
-// A scene point in metres with its intensity (0 to 255).
+// A scene point in metres with its colour, gray where frames have none.
 struct MapPoint {
   Eigen::Vector3d p_in_world = Eigen::Vector3d::Zero();
-  float intensity = 0;
+  std::array<uint8_t, 3> rgb{};
 };
 
 // What the odometry has found so far: poses of keyframes as they were when the window last held

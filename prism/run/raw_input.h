@@ -30,6 +30,7 @@ struct RawInputOptions {
   std::string white_image;
   std::string colour = "auto";  // see kRawColours
   int threads = 0;              // of the processing, now and later (LightFieldOptions)
+  bool focus_colour = false;    // LightFieldFrame::colour of colour and Bayer frames as well
 };
 
 // Frames of a sequence that are looked at where a camera's files leave something open.

@@ -105,7 +105,8 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.micro_lens_grid,
                                  options.white_image,
                                  options.colour,
-                                 options.threads});
+                                 options.threads,
+                                 options.focus_colour});
   RequireMetricDepth(input.camera, options.camera);
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);

@@ -29,6 +29,7 @@ struct SequenceOptions {
   std::string white_image;      // file; empty: the folder's white.png, else none
   std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
   int threads = 0;              // that process a frame; 0: one a core
+  bool focus_colour = false;    // LightFieldFrame::colour as well, at the price of three images
 
   RgbdConversionOptions rgbd;  // of RGB-D frames
 

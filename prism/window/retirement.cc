@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <glog/logging.h>
+#include <opencv2/core.hpp>
 
 #include "prism/factors/visibility.h"
 #include "prism/solver/marginalize_blocks.h"
@@ -167,12 +168,27 @@ std::vector<RetiredPoint> ForgetWindow(Window* window) {
   return points;
 }
 
+namespace {
+
+std::array<uint8_t, 3> ColourOf(const Keyframe& host, const PhotometricPatch& patch) {
+  const cv::Mat& colour = host.frame->colour;
+  if (colour.empty()) {
+    const auto gray = cv::saturate_cast<uint8_t>(patch.intensity[kPatternCenter]);
+    return {gray, gray, gray};
+  }
+  const auto& bgr = colour.at<cv::Vec3b>(static_cast<int>(std::lround(patch.px.y())),
+                                         static_cast<int>(std::lround(patch.px.x())));
+  return {bgr[2], bgr[1], bgr[0]};
+}
+
+}  // namespace
+
 RetiredPoint MakeRetiredPoint(const PlenopticProjection& camera,
                               const Keyframe& host,
                               const Point& point) {
   return {host.id,
           UnprojectInverseDepth(camera, point.patch.px, point.rho),
-          point.patch.intensity[kPatternCenter]};
+          ColourOf(host, point.patch)};
 }
 
 }  // namespace prism

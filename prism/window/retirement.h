@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,7 +32,7 @@ std::vector<int> KeyframesToRetire(const WindowOptions& window_options,
 struct RetiredPoint {
   int keyframe_id = 0;
   Eigen::Vector3d x_C = Eigen::Vector3d::Zero();  // metres, in its host's camera frame
-  float intensity = 0;                            // 0 to 255
+  std::array<uint8_t, 3> rgb{};                   // gray where its host has no colour
 };
 
 struct RetirementResult {

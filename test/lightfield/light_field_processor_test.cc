@@ -141,6 +141,37 @@ TEST(Processor, SixteenBitsAndColourGiveWhatEightBitGrayGives) {
   }
 }
 
+// Red is half as bright as green, blue a quarter, in a colour image and in a Bayer mosaic.
+TEST(Processor, ColourIsFocusedWhereItIsAskedFor) {
+  const PlenopticCamera camera = SmallCamera();
+  const cv::Mat green = RenderPlane(camera, 0.3, WavyTexture, 0, true);
+  cv::Mat colour, mosaic = green.clone();
+  cv::merge(std::vector<cv::Mat>{green * 0.25, green, green * 0.5}, colour);
+  for (int y = 0; y < mosaic.rows; ++y) {
+    for (int x = 0; x < mosaic.cols; ++x) {  // GBRG
+      const double gain = x % 2 == y % 2 ? 1 : y % 2 == 0 ? 0.25 : 0.5;
+      mosaic.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(gain * mosaic.at<uint8_t>(y, x));
+    }
+  }
+  LightFieldOptions options;
+  EXPECT_TRUE(
+      LightFieldProcessor(camera, cv::Mat(), options).Process(Frame(colour)).colour.empty());
+  options.preparation.colour = true;
+  EXPECT_TRUE(LightFieldProcessor(camera, cv::Mat(), options).Process(Frame(green)).colour.empty());
+  const LightFieldFrame of_colour =
+      LightFieldProcessor(camera, White(camera), options).Process(Frame(colour));
+  options.preparation.pixels = RawPixels::kBayerGbrg;
+  const LightFieldFrame of_mosaic =
+      LightFieldProcessor(camera, White(camera), options).Process(Frame(mosaic));
+  for (const LightFieldFrame& frame : {of_colour, of_mosaic}) {
+    ASSERT_EQ(frame.colour.size(), cv::Size(160, 160));
+    const cv::Scalar mean = cv::mean(frame.colour(cv::Rect(40, 40, 80, 80)));
+    EXPECT_NEAR(mean[0] / mean[1], 0.25, 0.01);
+    EXPECT_NEAR(mean[2] / mean[1], 0.5, 0.01);
+    EXPECT_NEAR(mean[1], 120, 8);
+  }
+}
+
 TEST(Processor, MeetsItsAccuracyOnHouseRaw) {
   const std::string folder = PRISM_SOURCE_DIR "/../shared/data/house_raw";
   if (!std::filesystem::exists(folder + "/raw.txt")) {

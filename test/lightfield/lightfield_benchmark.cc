@@ -52,7 +52,8 @@ void FocusedImage(benchmark::State& state) {
   const ImageF dense(512, 512, 0.3f);
   ImageF image;
   for (auto _ : state) {
-    RenderFocusedImage(scene.camera, scene.lenses, scene.prepared, dense, &image);
+    RenderFocusedImage(
+        scene.camera, scene.lenses, scene.prepared.gray, scene.prepared.lens_colour, dense, &image);
   }
 }
 
