@@ -56,14 +56,15 @@ std::string LightFieldVerdict::Text() const {
   if (!IsUsable()) {
     result +=
         is_no_match
-            ? "  hardly any depth, and lenses do not agree: another camera's grid, another "
-              "order of lens types, or micro images that are upside down (Keplerian array)\n"
+            ? "  hardly any depth, and lenses do not agree: another camera's grid, or another "
+              "order "
+              "of lens types\n"
             : "  hardly any depth: no texture in view, out of focus, or 1/v outside the range "
               "that is searched\n";
   } else if (is_no_match) {
     result +=
-        "  lenses agree badly: the grid of another focus setting, shaded micro images without a "
-        "white image, or upside-down ones (Keplerian array)\n";
+        "  lenses agree badly: the grid of another focus setting, or shaded micro images without a "
+        "white image\n";
   } else if (misfit.share_px > kMuchShare || misfit.noise > kMuchNoise) {
     result +=
         "  lenses agree less well than in frames as they come from the sensor: compressed, "
