@@ -35,6 +35,10 @@ DEFINE_string(white_image,
               "White image; empty: white.png of the folder, else found on the frames; none: frames "
               "are taken as they are.");
 DEFINE_string(colour, "auto", "auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg.");
+DEFINE_bool(focus_colour,
+            false,
+            "Focused images and pinhole views in colour as well, of colour and Bayer frames; takes "
+            "three focused images more.");
 DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
 DEFINE_string(truth, "", "Folder with true inverse virtual depth, NNNNNN.png by frame number.");
 DEFINE_string(export_rgbd, "", "Folder for the pinhole view as TUM RGB-D; default: pinhole/.");
@@ -71,7 +75,7 @@ RawInputOptions InputOptions() {
           FLAGS_white_image,
           FLAGS_colour,
           FLAGS_threads,
-          true};
+          FLAGS_focus_colour};
 }
 
 ExitStatus EstimateGridOnly() {

@@ -35,7 +35,7 @@ DEFINE_string(white_image,
 DEFINE_string(colour,
               "auto",
               "Of raw frames: auto, gray, colour, bayer_rggb, _bggr, _grbg, _gbrg.");
-DEFINE_bool(colour_points,
+DEFINE_bool(focus_colour,
             false,
             "Points in colour, of colour and Bayer raw frames; takes three focused images more.");
 DEFINE_string(format, "", "raw, focused or rgbd; empty: by what the folder holds.");
@@ -130,7 +130,7 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.white_image = FLAGS_white_image;
   options.colour = FLAGS_colour;
   options.threads = FLAGS_threads;
-  options.focus_colour = FLAGS_colour_points;
+  options.focus_colour = FLAGS_focus_colour;
   options.format = FLAGS_format;
   options.start_frame = FLAGS_start_frame;
   options.max_frames = FLAGS_max_frames;

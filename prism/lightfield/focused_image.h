@@ -12,7 +12,8 @@ namespace prism {
 // image at x_R = (X - c_ML) w + c_ML (Eqs. (6)-(7)) over the lenses that see it, weighted by the
 // distance r to the micro-image centre, (1 - (r / R)^2)^2, and by how sharp the lens' type is at w.
 // A pixel that no lens sees takes the nearest lens' value at its micro image's rim. `raw` is
-// PreparedRaw::gray or one of its colours, `lens_colour` what PreparedRaw says of their pixels.
+// PreparedRaw::gray or a channel of RawPreparation::PrepareChannel, `lens_colour` what PreparedRaw
+// says of their pixels.
 void RenderFocusedImage(const PlenopticCamera& camera,
                         const LensTable& lenses,
                         const ImageF& raw,

@@ -44,11 +44,12 @@ void LightFieldProcessor::Render(const ImageF& raw, ImageF* focused) const {
   RenderFocusedImage(camera_, lenses_, raw, prepared_.lens_colour, dense_, focused);
 }
 
-cv::Mat LightFieldProcessor::RenderColour() const {
+cv::Mat LightFieldProcessor::RenderColour(const cv::Mat& bgr) const {
   std::array<cv::Mat, 3> planes;
-  ImageF focused;
+  ImageF channel, focused;  // one at a time: a channel of a large sensor takes 100 MB
   for (size_t c = 0; c < planes.size(); ++c) {
-    Render(prepared_.colour[c], &focused);
+    preparation_.PrepareChannel(bgr, static_cast<int>(c), &channel);
+    Render(channel, &focused);
     const cv::Mat plane(focused.height(), focused.width(), CV_32F, focused.data());
     plane.convertTo(planes[c], CV_8U);
   }
@@ -80,7 +81,8 @@ LightFieldFrame LightFieldProcessor::ProcessHere(const RawFrame& frame) {
                                       options_.depth.max_inverse_virtual_depth));
     dense_depth_.Fill(result.inverse_virtual_depth, result.sigma, far, &dense_);
     Render(prepared_.gray, &image);
-    if (!prepared_.colour[0].empty()) result.colour = RenderColour();
+    const cv::Mat bgr = options_.focus_colour ? preparation_.ToBgr(frame.image) : cv::Mat();
+    if (!bgr.empty()) result.colour = RenderColour(bgr);
   }
   {
     StageTimer::Scope scope(&timer_, "pyramid");

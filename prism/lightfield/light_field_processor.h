@@ -20,7 +20,8 @@ struct LightFieldOptions {
   PreparationOptions preparation;
   DepthOptions depth;
   int pyramid_levels = 5;
-  int threads = 0;  // see WithThreads; 0: one a core
+  int threads = 0;            // see WithThreads; 0: one a core
+  bool focus_colour = false;  // LightFieldFrame::colour of colour and Bayer frames as well
 
   bool IsValid(std::string* error) const;
 };
@@ -53,7 +54,7 @@ class LightFieldProcessor {
  private:
   LightFieldFrame ProcessHere(const RawFrame& frame);
   void Render(const ImageF& raw, ImageF* focused) const;
-  cv::Mat RenderColour() const;
+  cv::Mat RenderColour(const cv::Mat& bgr) const;
 
   PlenopticCamera camera_;
   LightFieldOptions options_;

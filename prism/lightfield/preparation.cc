@@ -256,19 +256,28 @@ void RawPreparation::ToGray(const cv::Mat& raw, ImageF* gray) {
   source->convertTo(target, CV_32F, raw.depth() == CV_8U ? 1.0 : 1.0 / 257);
 }
 
-void RawPreparation::ToColour(const cv::Mat& raw, std::array<ImageF, 3>* colour) {
-  cv::Mat bgr = raw;
-  if (raw.channels() == 1) cv::cvtColor(raw, bgr, BayerToBgrCode(options_.pixels));
-  const cv::Mat gain(bgr.size(), CV_32F, gain_.data());
-  const double scale = raw.depth() == CV_8U ? 1.0 : 1.0 / 257;
-  for (int c = 0; c < 3; ++c) {
-    ImageF& plane = (*colour)[c];
-    if (plane.empty()) plane = ImageF(bgr.cols, bgr.rows);
-    cv::Mat target(bgr.size(), CV_32F, plane.data()), channel;
-    cv::extractChannel(bgr, channel, c);
-    channel.convertTo(target, CV_32F, scale);
-    cv::multiply(target, gain, target);
-  }
+cv::Mat RawPreparation::ToBgr(const cv::Mat& raw) const {
+  if (raw.channels() == 3) return raw;
+  if (options_.pixels == RawPixels::kGray) return {};
+  cv::Mat bgr;
+  cv::cvtColor(raw, bgr, BayerToBgrCode(options_.pixels));
+  return bgr;
+}
+
+void RawPreparation::PrepareChannel(const cv::Mat& bgr, int channel, ImageF* corrected) const {
+  if (corrected->empty()) *corrected = ImageF(bgr.cols, bgr.rows);
+  cv::Mat values;
+  cv::extractChannel(bgr, values, channel);
+  const float scale = bgr.depth() == CV_8U ? 1.0f : 1.0f / 257;
+  tbb::parallel_for(0, bgr.rows, [&](int y) {
+    const float* gain = gain_.row(y);
+    float* row = corrected->row(y);
+    for (int x = 0; x < bgr.cols; ++x) {
+      const float value =
+          bgr.depth() == CV_8U ? values.at<uint8_t>(y, x) : values.at<uint16_t>(y, x);
+      row[x] = scale * value * (gain[x] > 0 ? gain[x] : 1.0f);
+    }
+  });
 }
 
 void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
@@ -283,9 +292,6 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     }
   }
   ToGray(raw, &prepared->gray);
-  if (options_.colour && (raw.channels() == 3 || options_.pixels != RawPixels::kGray)) {
-    ToColour(raw, &prepared->colour);
-  }
   if (options_.pixels != RawPixels::kGray) {
     const cv::Mat gain(height, width, CV_32F, gain_.data());
     prepared->mosaic_noise = kDemosaicedNoise * MosaicNoise(raw, gain);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
@@ -22,7 +21,6 @@ struct PreparationOptions {
   double min_relative_white = 0.75;  // darker in the white image than this share of what its micro
                                      // image is at the brightest: masked
   double saturation = 250;           // 0 to 255; brighter raw pixels are masked
-  bool colour = false;               // PreparedRaw::colour of colour and Bayer frames as well
 
   bool IsValid(std::string* error) const;
 };
@@ -34,8 +32,6 @@ struct PreparedRaw {
   // Of a Bayer mosaic: the standard deviation of white noise in `gray` that would give `smooth` the
   // noise it has. Interpolation hides noise from whoever looks at `gray` alone. 0: no mosaic.
   double mosaic_noise = 0;
-  // Blue, green, red, vignetting-corrected as gray is; empty unless asked for, and of gray frames.
-  std::array<ImageF, 3> colour;
   // Colour + 1 of the lens (LensTable) if bilinear interpolation of `smooth` in [x, x+1] x [y, y+1]
   // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
   // would shift the image inwards and bias the depth.
@@ -67,9 +63,13 @@ class RawPreparation {
   // Precondition: the image has the camera's size, 8 or 16 bits, 1 or 3 channels (1 if Bayer).
   void Prepare(const cv::Mat& raw, PreparedRaw* prepared);
 
+  // Such an image as BGR: itself, or demosaiced; empty if it is gray.
+  cv::Mat ToBgr(const cv::Mat& raw) const;
+  // One channel of that, 0 to 255, vignetting-corrected as PreparedRaw::gray is.
+  void PrepareChannel(const cv::Mat& bgr, int channel, ImageF* corrected) const;
+
  private:
   void ToGray(const cv::Mat& raw, ImageF* gray);
-  void ToColour(const cv::Mat& raw, std::array<ImageF, 3>* colour);
   void MeasureVignetting(const ImageF& white);
   void SumGainSlopes(PreparedRaw* prepared);
 

@@ -72,7 +72,7 @@ LightFieldOptions LightFieldOptionsOf(const RawInputOptions& options) {
   LightFieldOptions light_field;
   light_field.preparation.pixels = *pixels;
   light_field.threads = options.threads;
-  light_field.preparation.colour = options.focus_colour;
+  light_field.focus_colour = options.focus_colour;
   return light_field;
 }
 

@@ -156,7 +156,7 @@ TEST(Processor, ColourIsFocusedWhereItIsAskedFor) {
   LightFieldOptions options;
   EXPECT_TRUE(
       LightFieldProcessor(camera, cv::Mat(), options).Process(Frame(colour)).colour.empty());
-  options.preparation.colour = true;
+  options.focus_colour = true;
   EXPECT_TRUE(LightFieldProcessor(camera, cv::Mat(), options).Process(Frame(green)).colour.empty());
   const LightFieldFrame of_colour =
       LightFieldProcessor(camera, White(camera), options).Process(Frame(colour));
