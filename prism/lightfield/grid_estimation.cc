@@ -165,7 +165,7 @@ constexpr double kMaxPitch = 120;
 class MiddleSpectrum {
  public:
   explicit MiddleSpectrum(const ImageF& image)
-      : size_(std::min({image.width(), image.height(), 1024})),
+      : size_(std::min({image.width(), image.height(), 2048})),
         corner_((image.width() - size_) / 2, (image.height() - size_) / 2) {
     patch_ = cv::Mat(size_, size_, CV_32F);
     for (int y = 0; y < size_; ++y) {
