@@ -247,9 +247,10 @@ void DecideCamera(const std::string& grid_path,
                   const std::vector<cv::Mat>& frames,
                   bool find_vignetting,
                   RawInput* input) {
-  const std::vector<GridCandidate> grids =
-      WithThreads(input->options.threads, [&] { return FindGrids(grid_path, frames, *input); });
-  FirstFrameDecisions(find_vignetting ? frames : std::vector<cv::Mat>(), input).Decide(grids);
+  WithThreads(input->options.threads, [&] {
+    const std::vector<GridCandidate> grids = FindGrids(grid_path, frames, *input);
+    FirstFrameDecisions(find_vignetting ? frames : std::vector<cv::Mat>(), input).Decide(grids);
+  });
 }
 
 }  // namespace prism
