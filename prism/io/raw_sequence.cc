@@ -47,6 +47,12 @@ std::vector<RawFrame> RawSequence::ReadSome(int max_frames) const {
   return frames;
 }
 
+std::vector<cv::Mat> ImagesOf(const std::vector<RawFrame>& frames) {
+  std::vector<cv::Mat> images;
+  for (const RawFrame& frame : frames) images.push_back(frame.image);
+  return images;
+}
+
 RawFrame RawSequence::Read(int index) const {
   const Entry& entry = entries_[index];
   RawFrame frame;

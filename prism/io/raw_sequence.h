@@ -49,6 +49,8 @@ class RawSequence {
   std::vector<Entry> entries_;
 };
 
+std::vector<cv::Mat> ImagesOf(const std::vector<RawFrame>& frames);
+
 // A white image for the camera. Throws InputError if it is missing, does not decode, has another
 // size, or is black (its 99th percentile below 2 % of full scale).
 cv::Mat ReadWhiteImage(const std::string& path, const PlenopticCamera& camera);

@@ -11,6 +11,8 @@
 #include <glog/logging.h>
 
 #include "prism/base/error.h"
+#include "prism/base/format.h"
+#include "prism/io/raw_sequence.h"
 #include "prism/lightfield/camera_trial.h"
 #include "prism/lightfield/grid_estimation.h"
 #include "prism/lightfield/vignetting.h"
@@ -53,20 +55,13 @@ struct GridCandidate {
   std::string report;
 };
 
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  char text[300];
-  std::snprintf(text, sizeof(text), format, values...);
-  return text;
-}
-
 // The grid refined on the white image, or on the frames where there is none; as it is filed, with
 // either sign of its rotation, where that is not certain.
 std::vector<GridCandidate> FindGrids(const std::string& grid_path,
-                                     const std::vector<cv::Mat>& frames,
+                                     const std::vector<RawFrame>& frames,
                                      const RawInput& input) {
   const bool has_white = !input.white.empty();
-  const ImageF image = MeanImage(has_white ? std::vector<cv::Mat>{input.white} : frames);
+  const ImageF image = MeanImage(has_white ? std::vector<cv::Mat>{input.white} : ImagesOf(frames));
   const MicroLensGrid& grid = *input.camera.micro_lens_grid;
   const std::optional<GridFit> fit =
       has_white ? RefineGrid(image, grid) : RefineGridOnFrames(image, grid);
@@ -136,10 +131,11 @@ cv::Mat FindVignetting(const PlenopticCamera& camera,
 // which one depends on the other.
 class FirstFrameDecisions {
  public:
-  // `frames`: to find the vignetting on; none if that is known.
-  FirstFrameDecisions(const std::vector<cv::Mat>& frames, RawInput* input)
-      : first_(input->sequence->Read(0)), input_(input) {
-    for (const cv::Mat& image : frames) gray_.push_back(MeanImage({image}));
+  // Of `frames` the first one decides; the vignetting is found on all of them, if it is to be.
+  FirstFrameDecisions(const std::vector<RawFrame>& frames, bool find_vignetting, RawInput* input)
+      : first_(frames.front()), input_(input) {
+    if (!find_vignetting) return;
+    for (const RawFrame& frame : frames) gray_.push_back(MeanImage({frame.image}));
   }
 
   void Decide(const std::vector<GridCandidate>& grids) {
@@ -234,7 +230,7 @@ class FirstFrameDecisions {
     if (exchanged > as_filed) input_->camera = swapped;
   }
 
-  const RawFrame first_;
+  const RawFrame& first_;
   RawInput* input_;
   std::vector<ImageF> gray_;
   CameraTrial trial_;
@@ -244,12 +240,12 @@ class FirstFrameDecisions {
 }  // namespace
 
 void DecideCamera(const std::string& grid_path,
-                  const std::vector<cv::Mat>& frames,
+                  const std::vector<RawFrame>& frames,
                   bool find_vignetting,
                   RawInput* input) {
   WithThreads(input->options.threads, [&] {
     const std::vector<GridCandidate> grids = FindGrids(grid_path, frames, *input);
-    FirstFrameDecisions(find_vignetting ? frames : std::vector<cv::Mat>(), input).Decide(grids);
+    FirstFrameDecisions(frames, find_vignetting, input).Decide(grids);
   });
 }
 

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "prism/run/raw_input.h"
+#include "prism/scene/frame.h"
 
 namespace prism {
 
@@ -22,10 +21,10 @@ namespace prism {
 // 3. the vignetting, found on the frames if `find_vignetting`;
 // 4. the order of lens types 1 and 2, by the sharpness of the focused first frame.
 //
-// `grid_path` is for messages, `frames` are raw images of the sequence. Throws InputError for a
-// grid whose pitch does not fit.
+// `grid_path` is for messages, `frames` are some of the sequence, its first one first. Throws
+// InputError for a grid whose pitch does not fit.
 void DecideCamera(const std::string& grid_path,
-                  const std::vector<cv::Mat>& frames,
+                  const std::vector<RawFrame>& frames,
                   bool find_vignetting,
                   RawInput* input);
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <vector>
 
 #include "prism/base/error.h"
+#include "prism/base/format.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/raw_sequence.h"
 #include "prism/lightfield/camera_trial.h"
@@ -26,19 +26,6 @@ bool IsSquare(const MicroLensGrid& grid) {
   return std::abs(grid.base_x.dot(grid.base_y)) < kRightAngle;
 }
 
-template <typename... Values>
-std::string Line(const char* format, Values... values) {
-  char text[300];
-  std::snprintf(text, sizeof(text), format, values...);
-  return std::string(text) + "\n";
-}
-
-std::vector<cv::Mat> ImagesOf(const std::vector<RawFrame>& frames) {
-  std::vector<cv::Mat> images;
-  for (const RawFrame& frame : frames) images.push_back(frame.image);
-  return images;
-}
-
 void FindMode(const cv::Mat& white,
               const LightFieldOptions& options,
               const RawFrame& frame,
@@ -50,11 +37,12 @@ void FindMode(const cv::Mat& white,
   const double upright = TryCamera(galilean, white, options, frame).measured;
   const double upside_down = TryCamera(keplerian, white, options, frame).measured;
   estimate->camera = upside_down > upright ? keplerian : galilean;
-  estimate->report += Line("mode %s: depth at %.1f %% of the first frame's pixels, as %s %.1f %%",
-                           ToString(estimate->camera.mode),
-                           100 * std::max(upright, upside_down),
-                           ToString(upside_down > upright ? galilean.mode : keplerian.mode),
-                           100 * std::min(upright, upside_down));
+  estimate->report +=
+      Format("mode %s: depth at %.1f %% of the first frame's pixels, as %s %.1f %%\n",
+             ToString(estimate->camera.mode),
+             100 * std::max(upright, upside_down),
+             ToString(upside_down > upright ? galilean.mode : keplerian.mode),
+             100 * std::min(upright, upside_down));
 }
 
 void FindTypes(const cv::Mat& white,
@@ -68,20 +56,20 @@ void FindTypes(const cv::Mat& white,
   const LensTypeFit fit = EstimateLensTypes(estimate->camera, white, options, frames);
   estimate->camera.micro_lens_grid->types = fit.types;
   if (fit.types.size() == 1) {
-    estimate->report += Line(
+    estimate->report += Format(
         "one lens type: three would be told by the first frame's depths (best over worst order "
-        "%.2f)",
+        "%.2f)\n",
         fit.evidence);
     return;
   }
   estimate->report +=
-      Line("three lens types (first frame's depths, best over worst order %.2f)", fit.evidence);
+      Format("three lens types (first frame's depths, best over worst order %.2f)\n", fit.evidence);
   if (fit.focus_measured) {
-    estimate->report += Line("  sharpest at 1/v = %.3f, %.3f and %.3f, known to %.3f",
-                             fit.focus[0],
-                             fit.focus[1],
-                             fit.focus[2],
-                             fit.focus_sigma);
+    estimate->report += Format("  sharpest at 1/v = %.3f, %.3f and %.3f, known to %.3f\n",
+                               fit.focus[0],
+                               fit.focus[1],
+                               fit.focus[2],
+                               fit.focus_sigma);
   } else {
     estimate->report +=
         "  what each is focused on is assumed: the frames hold too few different depths\n";
@@ -118,9 +106,9 @@ MicroLensEstimate EstimateMicroLenses(const RawInputOptions& options) {
     }
     const MicroLensGrid& grid = fit->grid;
     estimate.camera.micro_lens_grid = grid;
-    estimate.report += Line(
+    estimate.report += Format(
         "%s array: %d micro images, pitch %.5f px, rotation %.6f rad, offset (%.4f, %.4f) px, RMS "
-        "%.4f px",
+        "%.4f px\n",
         IsSquare(grid) ? "square" : "hexagonal",
         fit->lenses,
         grid.diameter_px,

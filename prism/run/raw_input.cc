@@ -89,20 +89,14 @@ RawInput OpenRawInput(const RawInputOptions& options) {
                      "one there or in a micro_lens_grid file, for raw frames");
   }
   input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
-  RequireItsColour(input.sequence->Read(0), options);
   const std::string white =
       options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
-  if (!white.empty() && white != kNoWhiteImage) {
-    input.white = ReadWhiteImage(white, input.camera);
-  }
+  const bool has_white = !white.empty() && white != kNoWhiteImage;
+  const std::vector<RawFrame> frames = input.sequence->ReadSome(has_white ? 1 : kFramesToLookAt);
+  RequireItsColour(frames.front(), options);
+  if (has_white) input.white = ReadWhiteImage(white, input.camera);
   const std::string grid_path =
       options.micro_lens_grid.empty() ? options.camera : options.micro_lens_grid;
-  std::vector<cv::Mat> frames;
-  if (input.white.empty()) {
-    for (const RawFrame& frame : input.sequence->ReadSome(kFramesToLookAt)) {
-      frames.push_back(frame.image);
-    }
-  }
   DecideCamera(grid_path, frames, white.empty(), &input);
   return input;
 }
