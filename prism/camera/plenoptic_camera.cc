@@ -72,16 +72,15 @@ bool PlenopticCamera::IsValid(std::string* error) const {
 }
 
 bool PlenopticCamera::HasMetricDepth(std::string* error) const {
-  const double difference = focal_length - main_lens_mla_distance;
-  if (difference * virtual_depth_sign() > 0) return true;
-  Validator(error).Require(false,
-                           "focal length (mm)",
-                           1e3 * focal_length,
-                           mode == MicroLensMode::kKeplerian
-                               ? "less than the distance from main lens to MLA (Keplerian mode)"
-                               : "more than the distance from main lens to MLA (Galilean mode; "
-                                 "'mode: keplerian' for real images before the micro lenses)");
-  return false;
+  Validator validator(error);
+  validator.Require((focal_length - main_lens_mla_distance) * virtual_depth_sign() > 0,
+                    "focal length (mm)",
+                    1e3 * focal_length,
+                    mode == MicroLensMode::kKeplerian
+                        ? "less than the distance from main lens to MLA (Keplerian mode)"
+                        : "more than the distance from main lens to MLA (Galilean mode; 'mode: "
+                          "keplerian' for real images before the micro lenses)");
+  return validator.valid();
 }
 
 bool PinholeCamera::IsValid(std::string* error) const {

@@ -20,37 +20,26 @@ namespace {
 // 0.59, 0.11) over that of white noise as large as the mosaic's.
 constexpr double kDemosaicedNoise = 0.843;
 
-int BayerToGrayCode(RawPixels pixels) {
+// Of cv::cvtColor.
+struct DemosaicCodes {
+  int gray, bgr;
+};
+
+DemosaicCodes DemosaicCodesOf(RawPixels pixels) {
   switch (pixels) {
     // OpenCV names a pattern by the second row's second and third pixel.
     case RawPixels::kBayerRggb:
-      return cv::COLOR_BayerBG2GRAY;
+      return {cv::COLOR_BayerBG2GRAY, cv::COLOR_BayerBG2BGR};
     case RawPixels::kBayerBggr:
-      return cv::COLOR_BayerRG2GRAY;
+      return {cv::COLOR_BayerRG2GRAY, cv::COLOR_BayerRG2BGR};
     case RawPixels::kBayerGrbg:
-      return cv::COLOR_BayerGB2GRAY;
+      return {cv::COLOR_BayerGB2GRAY, cv::COLOR_BayerGB2BGR};
     case RawPixels::kBayerGbrg:
-      return cv::COLOR_BayerGR2GRAY;
+      return {cv::COLOR_BayerGR2GRAY, cv::COLOR_BayerGR2BGR};
     case RawPixels::kGray:
       break;
   }
-  return -1;
-}
-
-int BayerToBgrCode(RawPixels pixels) {
-  switch (pixels) {
-    case RawPixels::kBayerRggb:
-      return cv::COLOR_BayerBG2BGR;
-    case RawPixels::kBayerBggr:
-      return cv::COLOR_BayerRG2BGR;
-    case RawPixels::kBayerGrbg:
-      return cv::COLOR_BayerGB2BGR;
-    case RawPixels::kBayerGbrg:
-      return cv::COLOR_BayerGR2BGR;
-    case RawPixels::kGray:
-      break;
-  }
-  return -1;
+  return {-1, -1};
 }
 
 // Catmull-Rom: bilinear values would flatten the steep rim of a micro image.
@@ -249,7 +238,7 @@ void RawPreparation::ToGray(const cv::Mat& raw, ImageF* gray) {
     cv::cvtColor(raw, one_channel_, cv::COLOR_BGR2GRAY);
     source = &one_channel_;
   } else if (options_.pixels != RawPixels::kGray) {
-    cv::cvtColor(raw, one_channel_, BayerToGrayCode(options_.pixels));
+    cv::cvtColor(raw, one_channel_, DemosaicCodesOf(options_.pixels).gray);
     source = &one_channel_;
   }
   cv::Mat target(gray->height(), gray->width(), CV_32F, gray->data());
@@ -260,7 +249,7 @@ cv::Mat RawPreparation::ToBgr(const cv::Mat& raw) const {
   if (raw.channels() == 3) return raw;
   if (options_.pixels == RawPixels::kGray) return {};
   cv::Mat bgr;
-  cv::cvtColor(raw, bgr, BayerToBgrCode(options_.pixels));
+  cv::cvtColor(raw, bgr, DemosaicCodesOf(options_.pixels).bgr);
   return bgr;
 }
 

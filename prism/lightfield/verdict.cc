@@ -57,8 +57,7 @@ std::string LightFieldVerdict::Text() const {
     result +=
         is_no_match
             ? "  hardly any depth, and lenses do not agree: another camera's grid, or another "
-              "order "
-              "of lens types\n"
+              "order of lens types\n"
             : "  hardly any depth: no texture in view, out of focus, or 1/v outside the range "
               "that is searched\n";
   } else if (is_no_match) {
