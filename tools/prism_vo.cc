@@ -9,12 +9,14 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <gflags/gflags.h>
 #include <opencv2/core/utility.hpp>
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
+#include "prism/io/map_file.h"
 #include "prism/io/trajectory_file.h"
 #include "prism/odometry/odometry.h"
 #include "prism/report/live_view.h"
@@ -79,6 +81,18 @@ DEFINE_bool(marginalization_prior,
 DEFINE_bool(first_estimate_jacobians, true, "Frames in the prior keep their linearisation point.");
 DEFINE_bool(affine_brightness, true, "Affine brightness (a, b) of each frame; false: held at 0.");
 DEFINE_bool(robust_loss, true, "Robust losses of all residuals; false: squares.");
+DEFINE_bool(
+    close_loops,
+    false,
+    "Looks for places seen before all the time, and writes what the trajectory, keyframes and "
+    "points are with these loops closed beside the odometry's own (*_closed.*).");
+DEFINE_bool(
+    join_segments,
+    true,
+    "After a loss, places seen before are looked for; false: a new segment stays on its own.");
+DEFINE_string(map, "", "Folder of a map saved by an earlier run, to find this one in.");
+DEFINE_string(save_map, "", "Folder to save the map of this run to, for later runs.");
+DEFINE_int32(map_places, 200, "Views that are kept to be found again.");
 DEFINE_int32(live, 0, "Port to show the run on in a browser while it goes on; 0: not shown.");
 DEFINE_string(live_address, "127.0.0.1", "Address to serve --live on.");
 
@@ -114,6 +128,9 @@ OdometryOptions OptionsFromFlags() {
   options.default_terms.robust_loss = FLAGS_robust_loss;
   options.tracker.alignment.level.affine_brightness = FLAGS_affine_brightness;
   options.tracker.alignment.level.robust = FLAGS_robust_loss;
+  options.joining.close_loops = FLAGS_close_loops;
+  options.joining.join = FLAGS_join_segments;
+  options.joining.max_places = FLAGS_map_places;
   std::string error;
   if (!options.IsValid(&error)) throw InputError("command line", error, "valid options");
   return options;
@@ -171,6 +188,9 @@ ExitStatus Run() {
   Sequence sequence(sequence_options);
   if (!sequence.grid_report().empty()) std::cout << sequence.grid_report() << std::endl;
   const Trajectory groundtruth = sequence.play_order().AsPlayed(ReadGroundTruth());
+  std::vector<MappedPlace> places;
+  if (!FLAGS_map.empty()) places = ReadMap(FLAGS_map, PlenopticProjection(sequence.camera()));
+  if (!FLAGS_save_map.empty()) CreateDirectory(FLAGS_save_map);
   CreateDirectory(FLAGS_output_dir);
 
   RunRecord record;
@@ -185,6 +205,7 @@ ExitStatus Run() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   Odometry odometry(sequence.camera(), odometry_options);
+  if (!FLAGS_map.empty()) odometry.LoadPlaces(places);
   while (std::optional<LightFieldFrame> frame = sequence.Next()) {
     if (record.frames.empty() && sequence.format() == "raw") {
       std::cout << sequence.Verdict().Text() << std::flush;
@@ -198,12 +219,16 @@ ExitStatus Run() {
   record.light_field = sequence.Verdict();
   record.stages = odometry.timer().Summarize();
   record.trajectory = odometry.FrameTrajectory();
+  record.piece_of_segment = odometry.map().PieceOfSegments();
   record.intensity_sigma = odometry.window().noise.ResidualSigma();
   record.depth_scale = odometry.window().noise.DepthScale();
   record.keyframe_depth_offset_sigma = odometry.window().noise.DepthOffsetSigma();
   record.depth_offset_prior_sigma = FLAGS_depth_offset_sigma;
 
   WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order());
+  if (FLAGS_close_loops)
+    WriteClosedMap(FLAGS_output_dir, odometry, sequence.play_order(), groundtruth);
+  if (!FLAGS_save_map.empty()) SaveMap(FLAGS_save_map, odometry);
   if (!groundtruth.empty()) WriteMetrics(FLAGS_output_dir, record, odometry, groundtruth);
   const auto report =
       std::make_shared<const RunReport>(recorder.Finish(record, odometry, groundtruth));

@@ -37,9 +37,10 @@ void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
   ReportFrame entry;
   entry.time_ns = frame.time_ns;
   entry.status = ToString(frame.status);
-  entry.is_tracked = frame.status == FrameStatus::kTracked;
+  entry.is_tracked = HasPose(frame.status);
   entry.is_keyframe = frame.is_keyframe;
   entry.segment = frame.segment;
+  entry.is_joined = frame.joined.has_value();
   entry.residual_rms = frame.rms;
   entry.points = frame.points_used;
   entry.brightness_a = frame.state.a();
@@ -47,7 +48,15 @@ void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
   entry.stage_ms = TakeStageTimes(odometry.timer());
   if (entry.is_tracked) positions_.push_back(frame.state.pose().Inverse().translation());
   frames_.push_back(std::move(entry));
-  if (frame.is_keyframe) UpdateKeyframes(odometry.window());
+  if (frame.is_keyframe) UpdateKeyframes(odometry);
+  if (frame.joined) MoveKeyframes(odometry.map());
+}
+
+void ReportRecorder::MoveKeyframes(const Map& map) {
+  for (auto& [id, entry] : keyframes_) {
+    entry.keyframe.world_from_cam = map.CamFromWorld(id).Inverse();
+    entry.has_changed = true;
+  }
 }
 
 std::map<std::string, double> ReportRecorder::TakeStageTimes(const StageTimer& timer) {
@@ -59,8 +68,8 @@ std::map<std::string, double> ReportRecorder::TakeStageTimes(const StageTimer& t
   return times_ms;
 }
 
-void ReportRecorder::UpdateKeyframes(const Window& window) {
-  for (const auto& keyframe : window.keyframes) {
+void ReportRecorder::UpdateKeyframes(const Odometry& odometry) {
+  for (const auto& keyframe : odometry.window().keyframes) {
     const auto [position, is_new] = keyframes_.try_emplace(keyframe->id);
     Entry& entry = position->second;
     if (is_new) {
@@ -73,7 +82,7 @@ void ReportRecorder::UpdateKeyframes(const Window& window) {
       });
     }
     const double factor = ThumbnailFactor(keyframe->frame->image[0].width(), kThumbnailWidth_px);
-    entry.keyframe.world_from_cam = keyframe->state.pose().Inverse();
+    entry.keyframe.world_from_cam = odometry.map().CamFromWorld(keyframe->id).Inverse();
     std::vector<ReportKeyframe::Point> points;
     for (const auto& point : keyframe->points) {
       if (point->rho <= 0) continue;
@@ -147,6 +156,7 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
   report.peak_resident_mib = PeakResidentMib();
   report.frames = frames_;
   report.trajectory = odometry.FrameTrajectory();
+  if (odometry.map().Pieces().size() > 1) report.pieces = odometry.map().PiecesOfFrames();
   for (auto& [id, entry] : keyframes_) {
     TakeThumbnail(true, &entry);
     report.keyframes.push_back(entry.keyframe);

@@ -44,7 +44,9 @@ class ReportRecorder {
   };
 
   std::map<std::string, double> TakeStageTimes(const StageTimer& timer);
-  void UpdateKeyframes(const Window& window);
+  void UpdateKeyframes(const Odometry& odometry);
+  // After a segment was joined to another.
+  void MoveKeyframes(const Map& map);
   // Moves the image into the keyframe once it is encoded; waits for that if asked to. False: not
   // there yet.
   static bool TakeThumbnail(bool wait, Entry* entry);

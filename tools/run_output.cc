@@ -9,6 +9,7 @@
 
 #include "prism/eval/metrics.h"
 #include "prism/io/atomic_file.h"
+#include "prism/io/map_file.h"
 #include "prism/io/ply_file.h"
 #include "prism/io/trajectory_file.h"
 #include "prism/report/metrics_json.h"
@@ -68,10 +69,41 @@ void PrintMetrics(const TrajectoryMetrics& metrics) {
 Trajectory OnlineTrajectory(const std::vector<FrameResult>& frames) {
   Trajectory trajectory;
   for (const FrameResult& frame : frames) {
-    if (frame.status != FrameStatus::kTracked) continue;
+    if (!HasPose(frame.status)) continue;
     trajectory.push_back({frame.time_ns, frame.state.pose().Inverse()});
   }
   return trajectory;
+}
+
+// Of the pieces of a map that could not be joined, by the number of the first segment of each.
+// Those of an earlier run go.
+void WritePieces(const std::string& folder, const Map& map, const PlayOrder& play_order) {
+  namespace fs = std::filesystem;
+  const std::string prefix = "trajectory_segment";
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename().string().rfind(prefix, 0) == 0) fs::remove(entry.path());
+  }
+  const std::vector<int> pieces = map.Pieces();
+  if (pieces.size() < 2) return;
+  for (const int piece : pieces) {
+    WriteTrajectory(InFolder(folder, prefix + std::to_string(piece) + ".txt"),
+                    play_order.InFileTimes(map.FrameTrajectory(piece)));
+  }
+}
+
+void PrintSegments(const RunRecord& record, const Map& map) {
+  int joined = 0, held = 0;
+  for (const FrameResult& frame : record.frames) {
+    joined += frame.joined.has_value();
+    held += frame.status == FrameStatus::kHeld;
+  }
+  if (held > 0) std::printf("%d frames show little and are held by the motion before them\n", held);
+  if (joined > 0) std::printf("%d times a segment was found to continue what was before\n", joined);
+  const size_t pieces = map.Pieces().size();
+  if (pieces > 1) {
+    std::printf("%zu segments could not be joined: trajectory_segmentN.txt has each by itself\n",
+                pieces);
+  }
 }
 
 }  // namespace
@@ -82,6 +114,7 @@ void WriteRun(const std::string& folder,
               const PlayOrder& play_order) {
   WriteTrajectory(InFolder(folder, "trajectory.txt"),
                   play_order.InFileTimes(odometry.FrameTrajectory()));
+  WritePieces(folder, odometry.map(), play_order);
   WriteTrajectory(InFolder(folder, "keyframes.txt"),
                   play_order.InFileTimes(odometry.KeyframeTrajectory()));
   WritePly(InFolder(folder, "points.ply"), PlyPoints(odometry.MapPoints()));
@@ -94,6 +127,7 @@ void WriteRun(const std::string& folder,
       static_cast<double>(record.frames.size()) / record.wall_seconds,
       PeakResidentMib(),
       folder.c_str());
+  PrintSegments(record, odometry.map());
   PrintScale(record);
   int poor = 0, not_solved = 0, disagreeing = 0;
   for (const FrameResult& frame : record.frames) {
@@ -110,6 +144,46 @@ void WriteRun(const std::string& folder,
                 poor,
                 not_solved);
   }
+}
+
+void WriteClosedMap(const std::string& folder,
+                    const Odometry& odometry,
+                    const PlayOrder& play_order,
+                    const Trajectory& groundtruth) {
+  Map map = odometry.map();
+  const int loops = map.CloseLoops();
+  WriteTrajectory(InFolder(folder, "trajectory_closed.txt"),
+                  play_order.InFileTimes(map.FrameTrajectory()));
+  WriteTrajectory(InFolder(folder, "keyframes_closed.txt"),
+                  play_order.InFileTimes(map.KeyframeTrajectory()));
+  WritePly(InFolder(folder, "points_closed.ply"), PlyPoints(map.Points(odometry.window())));
+  std::printf("%d views of places seen before close loops (*_closed.*)\n", loops);
+  if (groundtruth.empty()) return;
+  const TrajectoryMetrics before = EvaluateTrajectory(groundtruth, odometry.FrameTrajectory(), {});
+  const TrajectoryMetrics closed = EvaluateTrajectory(groundtruth, map.FrameTrajectory(), {});
+  std::printf(
+      "  ATE %.4f m (SE3) with loops closed, %.4f m without", closed.ate_rmse_m, before.ate_rmse_m);
+  if (closed.loop && before.loop) {
+    std::printf("; e_align %.4f m, %.4f m", closed.loop->e_align_m, before.loop->e_align_m);
+  }
+  std::printf("\n");
+}
+
+void SaveMap(const std::string& folder, const Odometry& odometry) {
+  const Map map = odometry.CompleteMap();
+  const int piece = map.Pieces().front();
+  const bool is_found = !map.HasLoadedPlaces() || piece == kLoadedSegment;
+  if (!is_found && std::filesystem::exists(InFolder(folder, "map.yml"))) {
+    std::printf("map not saved: the run was not found in the one loaded, and %s holds one\n",
+                folder.c_str());
+    return;
+  }
+  const std::vector<MappedPlace> places = map.MappedPlaces(piece);
+  WriteMap(folder, odometry.window().camera, places);
+  const size_t left_out = map.places().size() - places.size();
+  std::printf("map of %zu places saved to %s", places.size(), folder.c_str());
+  if (left_out > 0) std::printf("; %zu that are not joined to it are left out", left_out);
+  std::printf("\n");
 }
 
 void WriteMetrics(const std::string& folder,

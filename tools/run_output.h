@@ -11,12 +11,25 @@
 
 namespace prism {
 
-// Writes trajectory.txt, keyframes.txt, points.ply and run.json into the folder and prints the
-// run's figures in a line. Throws InputError if a file cannot be written.
+// Writes trajectory.txt, keyframes.txt, points.ply and run.json into the folder, where the map fell
+// into pieces trajectory_segmentN.txt of each, and prints the run's figures in a line. Throws
+// InputError if a file cannot be written.
 void WriteRun(const std::string& folder,
               const RunRecord& record,
               const Odometry& odometry,
               const PlayOrder& play_order);
+
+// Closes the loops of a copy of the map (Map::CloseLoops), writes trajectory_closed.txt,
+// keyframes_closed.txt and points_closed.ply, and prints what came of it, against `groundtruth` if
+// it is not empty. Throws InputError if a file cannot be written.
+void WriteClosedMap(const std::string& folder,
+                    const Odometry& odometry,
+                    const PlayOrder& play_order,
+                    const Trajectory& groundtruth);
+
+// Writes the places of the first piece of the map, and of what is loaded if that is part of it, for
+// later runs (WriteMap). Throws InputError if that cannot be done.
+void SaveMap(const std::string& folder, const Odometry& odometry);
 
 // Compares with the ground truth, as it was played: the final trajectory, and the poses as they
 // were known when each frame came (ate_online_rmse_m). Writes metrics.json into the folder and

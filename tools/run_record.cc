@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "prism/base/statistics.h"
 #include "prism/base/version.h"
@@ -50,7 +51,16 @@ nlohmann::ordered_json FrameToJson(const FrameResult& frame, const StampedPose* 
   json["status"] = ToString(frame.status);
   json["segment"] = frame.segment;
   json["keyframe"] = frame.is_keyframe;
-  if (frame.status != FrameStatus::kTracked) return json;
+  if (frame.sigma.translation_m > 0) {
+    json["position_sigma_m"] = frame.sigma.translation_m;
+    json["rotation_sigma_deg"] = frame.sigma.rotation_rad * 180 / M_PI;
+  }
+  if (!HasPose(frame.status)) {
+    if (frame.sigma.translation_m > 0) {
+      json["pose_predicted"] = PoseToJson(frame.state.pose().Inverse());
+    }
+    return json;
+  }
   json["pose_online"] = PoseToJson(frame.state.pose().Inverse());
   if (pose != nullptr) json["pose"] = PoseToJson(pose->world_from_cam);
   json["residual_rms"] = frame.rms;
@@ -64,19 +74,34 @@ nlohmann::ordered_json FrameToJson(const FrameResult& frame, const StampedPose* 
   return json;
 }
 
-nlohmann::ordered_json SegmentsToJson(const std::vector<FrameResult>& frames) {
+nlohmann::ordered_json SegmentsToJson(const std::vector<FrameResult>& frames,
+                                      const std::map<int, int>& piece_of_segment) {
   nlohmann::ordered_json segments = nlohmann::ordered_json::array();
   for (const FrameResult& frame : frames) {
-    if (frame.status != FrameStatus::kTracked) continue;
+    if (!HasPose(frame.status)) continue;
     const double time = 1e-9 * static_cast<double>(frame.time_ns);
     if (segments.empty() || segments.back()["segment"] != frame.segment) {
       segments.push_back(
           {{"segment", frame.segment}, {"start", time}, {"end", time}, {"tracked_count", 0}});
+      const auto piece = piece_of_segment.find(frame.segment);
+      if (piece != piece_of_segment.end()) segments.back()["piece"] = piece->second;
     }
     segments.back()["end"] = time;
     segments.back()["tracked_count"] = segments.back()["tracked_count"].get<int>() + 1;
   }
   return segments;
+}
+
+nlohmann::ordered_json JoinsToJson(const std::vector<FrameResult>& frames) {
+  nlohmann::ordered_json joins = nlohmann::ordered_json::array();
+  for (const FrameResult& frame : frames) {
+    if (!frame.joined) continue;
+    joins.push_back({{"time", 1e-9 * static_cast<double>(frame.time_ns)},
+                     {"segment", frame.joined->segment},
+                     {"piece", frame.joined->piece},
+                     {"new_world_from_old", PoseToJson(frame.joined->new_world_from_old)}});
+  }
+  return joins;
 }
 
 nlohmann::ordered_json CameraToJson(const std::string& path, const PlenopticCamera& camera) {
@@ -109,7 +134,7 @@ std::map<std::string, double> MedianVarianceFactors(const std::vector<FrameResul
 
 int CountTracked(const std::vector<FrameResult>& frames) {
   return static_cast<int>(std::count_if(frames.begin(), frames.end(), [](const FrameResult& frame) {
-    return frame.status == FrameStatus::kTracked;
+    return HasPose(frame.status);
   }));
 }
 
@@ -122,7 +147,7 @@ std::vector<int64_t> SegmentStarts(const std::vector<FrameResult>& frames) {
   std::vector<int64_t> starts;
   int segment = 0;
   for (const FrameResult& frame : frames) {
-    if (frame.segment == segment || frame.status != FrameStatus::kTracked) continue;
+    if (frame.segment == segment || !HasPose(frame.status)) continue;
     segment = frame.segment;
     starts.push_back(frame.time_ns);
   }
@@ -183,7 +208,8 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
                               {"is_told_by_scene", scale->is_offset_told}};
     }
   }
-  json["segments"] = SegmentsToJson(record.frames);
+  json["segments"] = SegmentsToJson(record.frames, record.piece_of_segment);
+  json["joins"] = JoinsToJson(record.frames);
   for (const auto& [stage, summary] : record.stages) {
     json["stages"][stage] = {{"count", summary.count},
                              {"median_ms", summary.median_ms},

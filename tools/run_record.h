@@ -25,6 +25,7 @@ struct RunRecord {
   LightFieldVerdict light_field;  // of raw sequences
   std::vector<FrameResult> frames;
   Trajectory trajectory;  // of the tracked ones, as known at the end; times as in `frames`
+  std::map<int, int> piece_of_segment;  // of the map, at the end (Map)
   std::map<std::string, StageTimer::Summary> stages;
   double wall_seconds = 0;
   double intensity_sigma = 0;              // photometric residuals are weighted by it, at the end

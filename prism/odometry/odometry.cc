@@ -65,6 +65,8 @@ const char* ToString(FrameStatus status) {
   switch (status) {
     case FrameStatus::kTracked:
       return "tracked";
+    case FrameStatus::kHeld:
+      return "held";
     case FrameStatus::kNoTexture:
       return "no texture";
     case FrameStatus::kLost:
@@ -73,6 +75,10 @@ const char* ToString(FrameStatus status) {
       return "depths disagree";
   }
   return "";
+}
+
+bool HasPose(FrameStatus status) {
+  return status == FrameStatus::kTracked || status == FrameStatus::kHeld;
 }
 
 const char* ToString(KeyframeStatus status) {
@@ -92,123 +98,271 @@ Odometry::Odometry(const PlenopticCamera& camera, const OdometryOptions& options
       options_(options),
       terms_(MakeDefaultTerms(options.default_terms)),
       window_(PlenopticProjection(camera)),
-      tracker_(options.tracker) {
+      tracker_(options.tracker),
+      map_(options.joining.max_places) {
   std::string error;
   CHECK(options_.IsValid(&error)) << error;
   terms_.insert(terms_.end(), options.terms.begin(), options.terms.end());
+}
+
+void Odometry::LoadPlaces(const std::vector<MappedPlace>& places) {
+  CHECK(window_.empty()) << "places are loaded before the first frame";
+  map_.Load(places);
+  next_keyframe_id_ = map_.LastKeyframeId() + 1;
+}
+
+Map Odometry::CompleteMap() const {
+  Map map = map_;
+  for (const auto& keyframe : window_.keyframes) map.AddPlace(MakePlaceOf(window_, *keyframe));
+  return map;
 }
 
 FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   const auto frame = std::make_shared<const LightFieldFrame>(std::move(light_field_frame));
   CHECK(frame->image.at(0).width() == window_.camera.width &&
         frame->image.at(0).height() == window_.camera.height);
-  if (window_.empty()) return StartSegment(frame);
+  if (window_.empty()) return StartSegment(frame, last_pose_.Inverse());
 
   RecoveryResult match;
   {
     const StageTimer::Scope scope(&timer_, "track");
+    const auto check_depth =
+        MakeDepthCheck(window_.noise, *frame, PersistentDepthOffset(window_.newest()), 1);
     if (lost_frames_ > 0) {
-      match = Recover(options_.tracker.fit.recovered, camera_, window_, *frame, &tracker_);
+      match = RecoverInWindow(*frame);
     } else {
-      match.tracking = tracker_.Track(
-          frame->image,
-          frame->time_ns,
-          window_.noise,
-          MakeDepthCheck(window_.noise, *frame, PersistentDepthOffset(window_.newest()), 1));
+      match.tracking = tracker_.Track(frame->image, frame->time_ns, window_.noise, check_depth);
       if (match.tracking.status == TrackingStatus::kGood) match.reference = &window_.newest();
+    }
+    if (match.tracking.status == TrackingStatus::kLost &&
+        unmatched_frames_ <= options_.max_lost_frames && held_frames_ < options_.max_held_frames) {
+      match.tracking = tracker_.Hold(frame->image, frame->time_ns, window_.noise, check_depth);
+      if (match.tracking.status == TrackingStatus::kHeld) match.reference = &window_.newest();
     }
   }
   if (match.reference == nullptr) return HandleLoss(frame, match.tracking.status);
 
   const FrameAlignmentResult& alignment = match.tracking.alignment;
   const FrameState reference = match.reference->state;
-  window_.noise.Observe(alignment.points.rms);
-  window_.noise.ObserveDepthAgreement(alignment.fit.depth_agreement *
-                                      window_.noise.UsualDepthAgreement());
+  const bool is_held = match.tracking.status == TrackingStatus::kHeld;
+  if (!is_held) {
+    window_.noise.Observe(alignment.points.rms);
+    window_.noise.ObserveDepthAgreement(alignment.fit.depth_agreement *
+                                        window_.noise.UsualDepthAgreement());
+    lost_frames_ = unmatched_frames_ = 0;
+  }
+  held_frames_ = is_held ? held_frames_ + 1 : 0;
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
-  result.status = FrameStatus::kTracked;
+  result.status = is_held ? FrameStatus::kHeld : FrameStatus::kTracked;
+  result.sigma = match.tracking.sigma;
   result.fit = alignment.fit;
   result.rms = alignment.points.rms;
   result.points_used = alignment.points.seen - alignment.points.outliers;
   result.keyframe_id = match.reference->id;
   result.state = Compose(alignment.state, reference);
-  {
+  if (!is_held) {
     const StageTimer::Scope scope(&timer_, "update candidates");
     UpdateCandidates(options_.activation.candidates, frame->image[0], result.state, &window_);
   }
   const bool is_recovered = match.reference != &window_.newest();
-  if (is_recovered || NeedsKeyframe(alignment,
-                                    first_rms_,
-                                    camera_.focused_width(),
-                                    camera_.focused_height(),
-                                    options_.keyframe)) {
+  // A keyframe at a pose that is hardly known would spoil the map.
+  const bool needs_keyframe = !is_held && (is_recovered || NeedsKeyframe(alignment,
+                                                                         first_rms_,
+                                                                         camera_.focused_width(),
+                                                                         camera_.focused_height(),
+                                                                         options_.keyframe));
+  if (needs_keyframe) {
+    if (options_.joining.close_loops) {
+      const Matrix6d information = PoseInformation(
+          tracker_.reference(), frame->image, alignment, window_.noise, options_.tracker.alignment);
+      map_.AddEdge({match.reference->id,
+                    next_keyframe_id_,
+                    alignment.state.target_from_reference,
+                    information});
+    }
     result.keyframe = MakeKeyframe(frame, result.state, reference.pose(), alignment.points);
     result.is_keyframe = true;
     result.keyframe_id = window_.newest().id;
     result.state = window_.newest().state;
+    result.joined = JoinSegment();
   } else {
-    if (first_rms_ == 0) first_rms_ = alignment.points.rms;
+    if (first_rms_ == 0 && !is_held) first_rms_ = alignment.points.rms;
     const size_t index =
         map_.AddFrame(frame->time_ns, match.reference->id, alignment.state.target_from_reference);
     recent_frames_.Add(*frame, alignment.state, index);
   }
-  lost_frames_ = 0;
-  last_pose_ = result.state.pose();
+  last_pose_ = result.state.pose() * map_.WorldFromSegment(segment_).Inverse();
+  result.state.set_pose(last_pose_);
   result.active_points = window_.NumPoints();
   return result;
 }
 
+RecoveryResult Odometry::RecoverInWindow(const LightFieldFrame& frame) {
+  Tracker tracker = tracker_;
+  RecoveryResult match = Recover(options_.tracker.fit.recovered, camera_, window_, frame, &tracker);
+  if (match.reference == nullptr) return match;
+  // What repeats looks alike. It is believed near where motion predicts it; elsewhere the frame's
+  // own depths have to find the keyframe as well.
+  const SE3& target_from_reference = match.tracking.alignment.state.target_from_reference;
+  const SE3 target_from_newest = target_from_reference * match.reference->state.pose() *
+                                 window_.newest().state.pose().Inverse();
+  const std::optional<MotionPrediction> motion = tracker_.PredictMotion(frame.time_ns);
+  const bool is_expected =
+      motion && motion->DistanceTo(target_from_newest) <= options_.max_motion_distance;
+  if (!is_expected &&
+      !VerifyMatch(
+          camera_,
+          MakePlaceOf(window_, *match.reference),
+          MakePlaceQuery(camera_, frame, options_.activation.selection, options_.joining.match),
+          target_from_reference,
+          window_.noise,
+          PersistentDepthOffset(window_.newest()),
+          options_.tracker.alignment,
+          options_.joining.match)) {
+    match.reference = nullptr;
+    match.tracking.status = TrackingStatus::kLost;
+    return match;
+  }
+  tracker_ = std::move(tracker);
+  return match;
+}
+
 FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
   ++lost_frames_;
-  if (lost_frames_ > options_.max_lost_frames && status != TrackingStatus::kNoTexture) {
-    // Everything the window holds goes to the map; the new segment knows nothing of it.
-    map_.AddPoints(ForgetWindow(&window_));
-    ++segment_;
-    return StartSegment(std::move(frame));
-  }
+  if (status != TrackingStatus::kNoTexture) ++unmatched_frames_;
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
+  if (const auto motion = tracker_.PredictMotion(frame->time_ns)) {
+    result.sigma = motion->sigma;
+    last_pose_ = motion->target_from_reference * map_.CamFromWorld(window_.newest().id);
+    result.state.set_pose(last_pose_);
+  }
   switch (status) {
     case TrackingStatus::kNoTexture:
       result.status = FrameStatus::kNoTexture;
-      break;
+      return result;
     case TrackingStatus::kDepthsDisagree:
       result.status = FrameStatus::kDepthsDisagree;
       break;
     default:
       result.status = FrameStatus::kLost;
   }
-  return result;
+  const std::optional<SE3> found = Recognize(*frame);
+  if (!found && unmatched_frames_ <= options_.max_lost_frames) return result;
+  FrameResult start = StartSegment(std::move(frame), found ? *found : last_pose_.Inverse());
+  return start.status == FrameStatus::kTracked ? start : result;
 }
 
-FrameResult Odometry::StartSegment(FramePtr frame) {
+std::optional<SE3> Odometry::Recognize(const LightFieldFrame& frame) {
+  if (!options_.joining.join || map_.places().empty()) return std::nullopt;
+  const StageTimer::Scope scope(&timer_, "recognize places");
+  std::vector<const Place*> places;
+  for (const auto& [id, place] : map_.places()) places.push_back(&place);
+  const PlaceQuery query =
+      MakePlaceQuery(camera_, frame, options_.activation.selection, options_.joining.match);
+  std::vector<SegmentPlacement> placements;
+  for (const PlaceMatch& match : FindPlaces(places, query)) {
+    placements.push_back(PlaceSegment(map_, match, SE3()));
+  }
+  SegmentJoiner joiner;
+  JoiningOptions one = options_.joining;
+  one.min_agreeing = 1;
+  const auto placement = joiner.Observe(one, placements, query.reference, SE3());
+  return placement ? std::optional(placement->world_from_segment) : std::nullopt;
+}
+
+std::vector<PlaceMatch> Odometry::FindPlaces(const std::vector<const Place*>& places,
+                                             const PlaceQuery& query) const {
+  return FindMatches(camera_,
+                     places,
+                     query,
+                     window_.noise,
+                     PersistentDepthOffset(window_.newest()),
+                     options_.tracker.alignment,
+                     options_.joining.match);
+}
+
+std::optional<JoinedSegment> Odometry::JoinSegment() {
+  const JoiningOptions& options = options_.joining;
+  const Keyframe& keyframe = window_.newest();
+  std::vector<const Place*> places;
+  for (const auto& [id, place] : map_.places()) {
+    const bool is_joined = map_.Piece(map_.SegmentOf(id)) == map_.Piece(segment_);
+    const bool is_old = id + options.min_loop_keyframes <= window_.keyframes.front()->id;
+    if (is_joined ? options.close_loops && is_old : options.join) places.push_back(&place);
+  }
+  if (places.empty()) return std::nullopt;
+  const StageTimer::Scope scope(&timer_, "recognize places");
+  const PlaceQuery query =
+      MakePlaceQuery(camera_, *keyframe.frame, options_.activation.selection, options.match);
+  std::vector<SegmentPlacement> placements;
+  for (const PlaceMatch& match : FindPlaces(places, query)) {
+    const SegmentPlacement placement = PlaceSegment(map_, match, keyframe.state.pose());
+    if (placement.onto_piece != map_.Piece(segment_)) {
+      placements.push_back(placement);
+    } else if (!IsPlausibleLoop(options, map_, match, keyframe.id)) {
+      continue;
+    }
+    map_.AddEdge({match.keyframe_id, keyframe.id, match.query_from_known, match.information, true});
+  }
+  const std::optional<SegmentPlacement> placement =
+      joiner_.Observe(options, placements, query.reference, keyframe.state.pose());
+  if (!placement) return std::nullopt;
+  const SE3 moved = map_.Join(segment_, placement->onto_piece, placement->world_from_segment);
+  joiner_.Reset();
+  return JoinedSegment{segment_, map_.Piece(segment_), moved};
+}
+
+Place Odometry::MakePlaceOf(const Window& window, const Keyframe& keyframe) const {
+  return MakePlace(
+      window.camera, keyframe.id, *keyframe.frame, MakeReferencePoints(window, keyframe));
+}
+
+FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment) {
   FrameResult result;
   result.time_ns = frame->time_ns;
   result.segment = segment_;
+  // What is known of the segment before goes to the map once the new one has begun.
+  Window before(window_.camera);
+  std::swap(before, window_);
+  window_.next_point_id = before.next_point_id;
+  window_.states = before.states;
+  for (StateBlock& state : window_.states) state.first_estimate.reset();
   window_.noise = NoiseModel(EstimateImageNoise(frame->image[0]), options_.photometric_model_sigma);
-  AddKeyframe(std::move(frame), FrameState(last_pose_, 0, 0));
+  AddKeyframe(std::move(frame), FrameState());
   ActivatePoints(options_.activation, terms_, options_.window.max_points, &window_);
   if (window_.NumPoints() < options_.min_start_points) {
-    window_.keyframes.clear();
+    std::swap(before, window_);
     --next_keyframe_id_;
     result.status = FrameStatus::kNoTexture;
     return result;
   }
-  lost_frames_ = 0;
+  if (!before.empty()) {
+    for (const auto& keyframe : before.keyframes) map_.AddPlace(MakePlaceOf(before, *keyframe));
+    map_.AddPoints(ForgetWindow(&before));
+    ++segment_;
+  }
+  lost_frames_ = unmatched_frames_ = 0;
   recent_frames_.Clear();
+  joiner_.Reset();
   AnchorFirstKeyframe(&window_);
-  map_.RememberKeyframes(window_);
+  map_.StartSegment(segment_, world_from_segment);
+  map_.RememberKeyframes(window_, segment_);
   map_.AddFrame(window_.newest().frame->time_ns, window_.newest().id, SE3());
   const LightFieldFrame& newest = *window_.newest().frame;
   tracker_.Start(MakeReference(window_.newest()), newest.image, newest.time_ns);
   first_rms_ = 0;
+  result.joined = JoinSegment();
+  last_pose_ = map_.WorldFromSegment(segment_).Inverse();
+  result.segment = segment_;
+  held_frames_ = 0;
   result.status = FrameStatus::kTracked;
   result.is_keyframe = true;
   result.keyframe_id = window_.newest().id;
-  result.state = window_.newest().state;
+  result.state = FrameState(last_pose_, 0, 0);
   result.active_points = window_.NumPoints();
   return result;
 }
@@ -250,7 +404,7 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
       window_.noise.ObserveDepthOffsets(result.optimization.uncertainty->keyframe_offset_square);
     }
   }
-  map_.RememberKeyframes(window_);
+  map_.RememberKeyframes(window_, segment_);
   {
     const StageTimer::Scope scope(&timer_, "realign frames");
     const Keyframe& before = *window_.keyframes[window_.keyframes.size() - 2];
@@ -263,6 +417,7 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
   {
     const StageTimer::Scope scope(&timer_, "marginalize");
     for (const int id : KeyframesToRetire(options_.window, options_.retirement, window_)) {
+      map_.AddPlace(MakePlaceOf(window_, window_.Get(id)));
       map_.AddPoints(RetireKeyframe(options_.window, terms_, id, &window_).points);
     }
   }

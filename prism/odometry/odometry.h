@@ -3,13 +3,16 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "prism/base/stage_timer.h"
 #include "prism/camera/plenoptic_camera.h"
-#include "prism/odometry/map.h"
+#include "prism/map/map.h"
+#include "prism/odometry/joining.h"
 #include "prism/odometry/options.h"
 #include "prism/odometry/recent_frames.h"
+#include "prism/odometry/recovery.h"
 #include "prism/points/outliers.h"
 #include "prism/scene/frame.h"
 #include "prism/window/optimize.h"
@@ -18,11 +21,14 @@ namespace prism {
 
 enum class FrameStatus {
   kTracked,
+  kHeld,  // tracked on little, and held by the motion before: less certain (FrameResult::sigma)
   kNoTexture,
   kLost,
   kDepthsDisagree,  // the images match, but not the depths the frame measures itself: lost as well
 };
 const char* ToString(FrameStatus status);
+// kTracked or kHeld.
+bool HasPose(FrameStatus status);
 
 enum class KeyframeStatus {
   kGood,
@@ -38,37 +44,56 @@ struct KeyframeResult {
   OutlierResult outliers;
 };
 
+// A segment that was found to show what an earlier one does.
+struct JoinedSegment {
+  int segment = 0;         // with the piece of the map that it was part of
+  int piece = 0;           // it is part of now
+  SE3 new_world_from_old;  // of what was moved
+};
+
 struct FrameResult {
   int64_t time_ns = 0;
   FrameStatus status = FrameStatus::kLost;
   int segment = 0;
   bool is_keyframe = false;
-  int keyframe_id = -1;   // its own, or the one it was tracked on
-  FrameState state;       // cam_from_world at this moment, absolute brightness
+  int keyframe_id = -1;  // its own, or the one it was tracked on
+  // cam_from_world at this moment, absolute brightness. Of frames without a pose: where motion
+  // alone says they are, while `sigma` is above 0.
+  FrameState state;
+  PoseSigma sigma;        // of the pose relative to its keyframe, as stated by residuals and motion
   FitQuality fit;         // of the alignment
   double rms = 0;         // of the alignment, intensities
   int points_used = 0;    // of the reference, that fit
   int active_points = 0;  // in the window
   // Of keyframes whose window was optimised: all but the first of a segment.
   KeyframeResult keyframe;
+  std::optional<JoinedSegment> joined;  // with this keyframe
 };
 
 // Metric visual odometry from plenoptic frames. The first frame is a keyframe whose points take
 // their depth from the measured virtual depth; world is the camera frame of the first frame.
 //
 // A frame that cannot be tracked has a status and no pose. The frames after it are tried against
-// the keyframes of the window; after `max_lost_frames` in a row a new segment starts at the next
-// frame with texture and depth, metric like the first, placed at the last known pose.
+// the keyframes of the window, then against the places that have left it. Where one is found, or
+// after `max_lost_frames` in a row, a new segment starts at the next frame with texture and depth,
+// metric like the first, placed where it was found or at the last known pose. Its keyframes are
+// looked for in the rest of the map; once enough of them agree, the segment is joined to it.
 class Odometry {
  public:
   // Precondition: options.IsValid.
   Odometry(const PlenopticCamera& camera, const OdometryOptions& options);
+
+  // Places of an earlier run, in which this one may find itself. To be called before Process.
+  void LoadPlaces(const std::vector<MappedPlace>& places);
 
   FrameResult Process(LightFieldFrame frame);
 
   Trajectory FrameTrajectory() const { return map_.FrameTrajectory(); }
   Trajectory KeyframeTrajectory() const { return map_.KeyframeTrajectory(); }
   std::vector<MapPoint> MapPoints() const { return map_.Points(window_); }
+  const Map& map() const { return map_; }
+  // The map with the keyframes of the window among its places, as a later run wants it.
+  Map CompleteMap() const;
 
   const Window& window() const { return window_; }
   // All terms of the cost, the default ones first.
@@ -78,8 +103,17 @@ class Odometry {
  private:
   using FramePtr = std::shared_ptr<const LightFieldFrame>;
 
-  FrameResult StartSegment(FramePtr frame);
+  FrameResult StartSegment(FramePtr frame, const SE3& world_from_segment);
+  // Recover, verified where motion does not expect what it finds.
+  RecoveryResult RecoverInWindow(const LightFieldFrame& frame);
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
+  // world_from_cam of a lost frame that shows a known place.
+  std::optional<SE3> Recognize(const LightFieldFrame& frame);
+  // Looks for the newest keyframe in the rest of the map.
+  std::optional<JoinedSegment> JoinSegment();
+  std::vector<PlaceMatch> FindPlaces(const std::vector<const Place*>& places,
+                                     const PlaceQuery& query) const;
+  Place MakePlaceOf(const Window& window, const Keyframe& keyframe) const;
   void AddKeyframe(FramePtr frame, const FrameState& state);
   KeyframeResult MakeKeyframe(FramePtr frame,
                               const FrameState& state,
@@ -94,12 +128,15 @@ class Odometry {
   Window window_;
   Tracker tracker_;
   Map map_;
+  SegmentJoiner joiner_;
   RecentFrames recent_frames_;
   int next_keyframe_id_ = 0;
   int segment_ = 0;
-  int lost_frames_ = 0;   // in a row
-  SE3 last_pose_;         // cam_from_world of the last tracked frame
-  double first_rms_ = 0;  // of the first frame tracked on the newest keyframe
+  int lost_frames_ = 0;       // since the last that was tracked
+  int unmatched_frames_ = 0;  // of those, that show something
+  int held_frames_ = 0;       // in a row
+  SE3 last_pose_;             // cam_from_world of the last tracked frame, as the window has it
+  double first_rms_ = 0;      // of the first frame tracked on the newest keyframe
 };
 
 }  // namespace prism

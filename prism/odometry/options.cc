@@ -23,7 +23,8 @@ bool HaveDistinctNames(const OdometryOptions& options) {
 
 bool OdometryOptions::IsValid(std::string* error) const {
   if (!activation.IsValid(error) || !tracker.IsValid(error) || !keyframe.IsValid(error) ||
-      !window.IsValid(error) || !retirement.IsValid(error) || !default_terms.IsValid(error)) {
+      !window.IsValid(error) || !retirement.IsValid(error) || !joining.IsValid(error) ||
+      !default_terms.IsValid(error)) {
     return false;
   }
   if (std::any_of(terms.begin(), terms.end(), [](const auto& term) { return term == nullptr; })) {

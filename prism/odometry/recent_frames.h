@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "prism/odometry/map.h"
+#include "prism/map/map.h"
 #include "prism/scene/frame.h"
 #include "prism/tracking/frame_alignment.h"
 

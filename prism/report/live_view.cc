@@ -53,7 +53,7 @@ std::string ToEventData(const RunUpdate& update) {
     RunReport report = *update.finished;
     report.keyframes.clear();
     json["finished"] = ReportToJson(report);
-    for (const char* sent : {"frames", "keyframes", "trajectory"}) json["finished"].erase(sent);
+    for (const char* sent : {"frames", "keyframes"}) json["finished"].erase(sent);
   }
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

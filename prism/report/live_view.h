@@ -23,7 +23,7 @@ struct RunUpdate {
   std::vector<Eigen::Vector3d> positions;  // of the tracked frames among them, in the world
   std::vector<Keyframe> keyframes;
   std::vector<std::string> problems;  // all of the run, where one has come
-  // At the end: the whole run. Of its frames, trajectory and keyframes nothing is sent again.
+  // At the end: the whole run. Of its frames and keyframes nothing is sent again.
   std::shared_ptr<const RunReport> finished;
 };
 

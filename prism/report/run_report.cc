@@ -108,8 +108,9 @@ void SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyfram
 
 std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames) {
   std::vector<std::string> problems;
-  int segments = 0;
+  int segments = 0, joined = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
+    joined += frames[i].is_joined;
     if (frames[i].is_tracked) {
       segments = std::max(segments, frames[i].segment + 1);
       continue;
@@ -126,7 +127,9 @@ std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames) {
     i = last;
   }
   if (segments > 1) {
-    problems.push_back("the trajectory has " + std::to_string(segments) + " segments");
+    std::string text = "the trajectory has " + std::to_string(segments) + " segments";
+    if (joined > 0) text += ", " + std::to_string(joined) + " of them found again and joined";
+    problems.push_back(text);
   }
   return problems;
 }
@@ -182,6 +185,7 @@ Json ReportToJson(const RunReport& report) {
   for (const ReportKeyframe& keyframe : report.keyframes) {
     json["keyframes"].push_back(KeyframeToReportJson(keyframe));
   }
+  if (!report.pieces.empty()) json["pieces"] = report.pieces;
   AddGroundtruth(report, &json);
   return json;
 }

@@ -24,6 +24,7 @@ struct ReportFrame {
   bool is_tracked = false;
   bool is_keyframe = false;
   int segment = 0;
+  bool is_joined = false;  // with this frame its segment was found to be part of what was before
   // Only of tracked frames.
   double residual_rms = 0;                 // intensities, 0 to 255
   int points = 0;                          // used by the alignment
@@ -61,7 +62,9 @@ struct RunReport {
   std::vector<std::pair<std::string, std::string>> camera;  // name (with unit) and value
   std::vector<ReportFrame> frames;                          // in order of time
   Trajectory trajectory;                                    // tracked frames
-  std::vector<ReportKeyframe> keyframes;                    // in order of time
+  // Of each of them the piece of the map it belongs to; empty: there is one.
+  std::vector<int> pieces;
+  std::vector<ReportKeyframe> keyframes;  // in order of time
   std::vector<ReportCloudPoint> cloud;
   Trajectory groundtruth;                    // in its own world; empty: none
   std::optional<TrajectoryMetrics> metrics;  // of trajectory against groundtruth
@@ -75,7 +78,8 @@ double ThumbnailFactor(int image_width, int max_width);
 // height.
 void SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyframe);
 
-// What went wrong, worst first: "frames 12 to 15 lost (no texture)", "3 segments".
+// What went wrong, and what became of it: "frames 12 to 15 not tracked (no texture)", "2 of 3
+// segments were joined to what was before".
 std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames);
 
 // The data of the page. At most 60,000 points of the cloud are taken, evenly.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 #include <vector>
@@ -28,6 +29,11 @@ struct Window {
   bool empty() const { return keyframes.empty(); }
   Keyframe& newest() { return *keyframes.back(); }
   const Keyframe& newest() const { return *keyframes.back(); }
+  // Precondition: the window holds a keyframe of that id.
+  const Keyframe& Get(int id) const {
+    const auto has_id = [&](const auto& keyframe) { return keyframe->id == id; };
+    return **std::find_if(keyframes.begin(), keyframes.end(), has_id);
+  }
   int NumPoints() const {
     int count = 0;
     for (const auto& keyframe : keyframes) count += static_cast<int>(keyframe->points.size());

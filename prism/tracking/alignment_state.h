@@ -13,4 +13,10 @@ struct AlignmentState {
   double b = 0;
 };
 
+// A pose that is known beforehand, by its inverse covariance (tangent on the left).
+struct PosePrior {
+  SE3 target_from_reference;
+  Matrix6d information = Matrix6d::Zero();
+};
+
 }  // namespace prism

@@ -20,11 +20,12 @@ int AlignOnLevel(const TrackingReference& reference,
                  int level,
                  const NoiseModel& noise,
                  const AlignmentOptions& options,
+                 const PosePrior* prior,
                  AlignmentState* state,
                  std::vector<double>* rho) {
   const bool free_depths = level < options.free_depth_levels;
   const auto with_widening = [&](double widening) {
-    return LevelAlignment(reference, target[level], level, noise, options.level, widening);
+    return LevelAlignment(reference, target[level], level, noise, options.level, widening, prior);
   };
   const auto has_enough = [](const LevelCost& cost) { return cost.inliers > 0.6 * cost.visible; };
   const LevelAlignment problem = with_widening(1);
@@ -137,7 +138,7 @@ std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
     few.level.max_iterations = std::min(max_iterations, options.level.max_iterations);
     for (auto& [state, expected_a, cost] : *fits) {
       std::vector<double> rho = InverseDepths(reference);
-      AlignOnLevel(reference, target, level, noise, few, &state, &rho);
+      AlignOnLevel(reference, target, level, noise, few, nullptr, &state, &rho);
       const LevelCost reached = problem.Evaluate(state);
       const bool possible =
           reached.visible >= options.possible.min_visible_fraction * num_samples &&
@@ -194,7 +195,8 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const AlignmentState& initial,
                                 const NoiseModel& noise,
                                 const AlignmentOptions& options,
-                                int coarsest_level) {
+                                int coarsest_level,
+                                const PosePrior* prior) {
   FrameAlignmentResult result;
   result.state = initial;
   const int num_levels = NumLevels(reference, target);
@@ -205,7 +207,7 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
   std::vector<double> rho = InverseDepths(reference);
   for (int level = std::min(num_levels - 1, coarsest_level); level >= 0; --level) {
     result.iterations +=
-        AlignOnLevel(reference, target, level, noise, options, &result.state, &rho);
+        AlignOnLevel(reference, target, level, noise, options, prior, &result.state, &rho);
   }
   result.points = JudgePoints(reference, target[0], result.state, rho, noise);
   if (result.points.AreManyHidden()) {
@@ -214,7 +216,7 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
     for (size_t i = 0; i < seen.points.size(); ++i) {
       if (result.points.fits[i] == PointFit::kOutlier) seen.points[i].is_excluded = true;
     }
-    result.iterations += AlignOnLevel(seen, target, 0, noise, options, &result.state, &rho);
+    result.iterations += AlignOnLevel(seen, target, 0, noise, options, prior, &result.state, &rho);
     result.points = JudgePoints(reference, target[0], result.state, rho, noise);
   }
   result.cost = LevelAlignment(reference, target[0], 0, noise, options.level)
@@ -224,10 +226,22 @@ FrameAlignmentResult AlignFrame(const TrackingReference& reference,
   result.fit.visible_fraction =
       static_cast<double>(result.points.seen) / static_cast<double>(reference.points.size());
   result.fit.outlier_fraction = result.points.OutlierFraction();
+  result.fit.misfit_area = result.points.misfit_area;
   result.fit.log_gain = std::abs(result.state.a - initial.a);
   result.status = Judge(result, options);
   if (result.status == AlignmentStatus::kGood) MeasureFlow(reference, &result);
+  result.rho = std::move(rho);
   return result;
+}
+
+Matrix6d PoseInformation(const TrackingReference& reference,
+                         const ImagePyramid& target,
+                         const FrameAlignmentResult& alignment,
+                         const NoiseModel& noise,
+                         const AlignmentOptions& options,
+                         const PosePrior* prior) {
+  return LevelAlignment(reference, target[0], 0, noise, options.level, 1, prior)
+      .PoseInformation(alignment.state, alignment.rho, options.free_depth_levels > 0);
 }
 
 }  // namespace prism

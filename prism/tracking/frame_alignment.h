@@ -33,9 +33,10 @@ enum class AlignmentStatus {
 struct FrameAlignmentResult {
   AlignmentStatus status = AlignmentStatus::kDiverged;
   AlignmentState state;
-  FitQuality fit;    // of the points on level 0
-  PointFits points;  // there
-  double cost = 0;   // LevelCost::PerSample there, intensities^2
+  FitQuality fit;           // of the points on level 0
+  PointFits points;         // there
+  double cost = 0;          // LevelCost::PerSample there, intensities^2
+  std::vector<double> rho;  // inverse depths of the points as they fit, 1/m
   // Mean squared optical flow of the reference points in px of level 0, by the whole motion and by
   // its translation alone (as in DSO's keyframe decision).
   double squared_flow = 0;
@@ -46,13 +47,22 @@ struct FrameAlignmentResult {
 inline constexpr int kAllLevels = std::numeric_limits<int>::max();
 
 // Aligns a frame to the reference, coarse to fine (LevelAlignment), from `coarsest_level` or, if
-// there are fewer, the coarsest there is.
+// there are fewer, the coarsest there is. `prior`: of the pose, may be null.
 FrameAlignmentResult AlignFrame(const TrackingReference& reference,
                                 const ImagePyramid& target,
                                 const AlignmentState& initial,
                                 const NoiseModel& noise,
                                 const AlignmentOptions& options,
-                                int coarsest_level = kAllLevels);
+                                int coarsest_level = kAllLevels,
+                                const PosePrior* prior = nullptr);
+
+// Inverse covariance of the pose of an aligned frame (LevelAlignment::PoseInformation on level 0).
+Matrix6d PoseInformation(const TrackingReference& reference,
+                         const ImagePyramid& target,
+                         const FrameAlignmentResult& alignment,
+                         const NoiseModel& noise,
+                         const AlignmentOptions& options,
+                         const PosePrior* prior = nullptr);
 
 // Aligns on the coarsest level alone, which is cheap, from each start. The distinct minima, best
 // fit first; those with too little in view or beyond the limit of brightness are left out.

@@ -26,12 +26,14 @@ LevelAlignment::LevelAlignment(const TrackingReference& reference,
                                int level,
                                const NoiseModel& noise,
                                const LevelAlignmentOptions& options,
-                               double widening)
+                               double widening,
+                               const PosePrior* prior)
     : reference_(reference),
       samples_(reference.levels[level]),
       camera_(reference.cameras[level]),
       image_(target_image),
       options_(options),
+      prior_(prior),
       sigma_(noise.FitSigma()),
       huber_threshold_(options.huber * sigma_),
       outlier_threshold_(widening * options.outlier * sigma_) {}
@@ -117,10 +119,45 @@ LevelCost LevelAlignment::Evaluate(const AlignmentState& state,
     equations->points[i].H += weight * root * root;
     equations->points[i].g += weight * root * r;
   }
+  if (prior_ != nullptr) {
+    const Vector6d step =
+        (state.target_from_reference * prior_->target_from_reference.Inverse()).Log();
+    const Matrix6d information = sigma_ * sigma_ * prior_->information;
+    cost.energy += step.dot(information * step);
+    if (equations != nullptr) {
+      equations->H.topLeftCorner<6, 6>() += information;
+      equations->g.head<6>() += information * step;
+    }
+  }
   if (equations != nullptr) {
     equations->H.triangularView<Eigen::StrictlyLower>() = equations->H.transpose();
   }
   return cost;
+}
+
+bool LevelAlignment::IsFree(size_t point, bool free_depths) const {
+  const ReferencePoint& known = reference_.points[point];
+  return free_depths && known.rho_sigma > 0 && !known.is_excluded;
+}
+
+Matrix6d LevelAlignment::PoseInformation(const AlignmentState& state,
+                                         const std::vector<double>& rho,
+                                         bool free_depths) const {
+  NormalEquations equations;
+  Evaluate(state, rho, &equations);
+  Matrix8d S = equations.H;
+  for (size_t i = 0; i < equations.points.size(); ++i) {
+    const NormalEquations::PointPart& point = equations.points[i];
+    if (IsFree(i, free_depths)) S -= point.H_state * (point.H_state.transpose() / point.H);
+  }
+  Matrix6d pose = S.topLeftCorner<6, 6>();
+  if (options_.affine_brightness) {
+    // Regularised: a level without a pixel in view says nothing of brightness.
+    const Eigen::Matrix2d brightness =
+        S.bottomRightCorner<2, 2>() + 1e-9 * Eigen::Matrix2d::Identity();
+    pose -= S.topRightCorner<6, 2>() * brightness.inverse() * S.topRightCorner<6, 2>().transpose();
+  }
+  return pose / (sigma_ * sigma_);
 }
 
 bool LevelAlignment::Solve(const NormalEquations& equations,
@@ -132,13 +169,9 @@ bool LevelAlignment::Solve(const NormalEquations& equations,
   Vector8d g = equations.g;
   S.diagonal() *= 1 + lambda;
   S.diagonal().array() += 1e-9;
-  const auto is_free = [&](size_t i) {
-    const ReferencePoint& point = reference_.points[i];
-    return free_depths && point.rho_sigma > 0 && !point.is_excluded;
-  };
   for (size_t i = 0; i < equations.points.size(); ++i) {
     const NormalEquations::PointPart& point = equations.points[i];
-    if (!is_free(i)) continue;
+    if (!IsFree(i, free_depths)) continue;
     const double inverse = 1 / ((1 + lambda) * point.H);
     S.noalias() -= (inverse * point.H_state) * point.H_state.transpose();
     g -= (inverse * point.g) * point.H_state;
@@ -153,7 +186,7 @@ bool LevelAlignment::Solve(const NormalEquations& equations,
   rho_step->assign(equations.points.size(), 0);
   for (size_t i = 0; i < equations.points.size(); ++i) {
     const NormalEquations::PointPart& point = equations.points[i];
-    if (!is_free(i)) continue;
+    if (!IsFree(i, free_depths)) continue;
     (*rho_step)[i] = -(point.g + point.H_state.dot(*state_step)) / ((1 + lambda) * point.H);
   }
   return state_step->allFinite();

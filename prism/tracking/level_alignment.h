@@ -43,13 +43,15 @@ struct LevelCost {
 // by point (Schur complement).
 class LevelAlignment {
  public:
-  // What is passed must outlive it. `widening` times the outlier threshold is used.
+  // What is passed must outlive it. `widening` times the outlier threshold is used. `prior`: of the
+  // pose, may be null.
   LevelAlignment(const TrackingReference& reference,
                  const ImageViewF& target_image,
                  int level,
                  const NoiseModel& noise,
                  const LevelAlignmentOptions& options,
-                 double widening = 1);
+                 double widening = 1,
+                 const PosePrior* prior = nullptr);
 
   // At the points' own depths, or at `rho` (one a point).
   LevelCost Evaluate(const AlignmentState& state) const;
@@ -57,6 +59,12 @@ class LevelAlignment {
 
   // Returns the number of iterations. `rho`: one a point; moves only if `free_depths`.
   int Align(bool free_depths, AlignmentState* state, std::vector<double>* rho) const;
+
+  // What a state is known by: the inverse covariance of the pose over its tangent (on the left of
+  // target_from_reference), brightness and free depths eliminated.
+  Matrix6d PoseInformation(const AlignmentState& state,
+                           const std::vector<double>& rho,
+                           bool free_depths) const;
 
  private:
   using Vector8d = Eigen::Matrix<double, 8, 1>;
@@ -67,6 +75,7 @@ class LevelAlignment {
                      const std::vector<double>& rho,
                      NormalEquations* equations) const;
   double RobustSquare(double magnitude) const;
+  bool IsFree(size_t point, bool free_depths) const;
   bool Solve(const NormalEquations& equations,
              double lambda,
              bool free_depths,
@@ -78,6 +87,7 @@ class LevelAlignment {
   const PlenopticProjection& camera_;
   const ImageViewF image_;
   const LevelAlignmentOptions& options_;
+  const PosePrior* prior_;
   const double sigma_;              // intensities
   const double huber_threshold_;    // intensities
   const double outlier_threshold_;  // intensities

@@ -83,12 +83,20 @@ PointFits JudgePoints(const TrackingReference& reference,
     ++cell.seen;
     cell.outliers += fits[i] == PointFit::kOutlier;
   }
+  const auto is_hidden = [](const Cell& cell) {
+    return cell.seen >= kMinPoints && 2 * cell.outliers > cell.seen;
+  };
+  int cells_seen = 0, cells_hidden = 0;
+  for (const auto& [index, cell] : cells) {
+    cells_seen += cell.seen >= kMinPoints;
+    cells_hidden += is_hidden(cell);
+  }
+  if (cells_seen > 0) result.misfit_area = static_cast<double>(cells_hidden) / cells_seen;
   double r2 = 0;
   int samples = 0;
   for (size_t i = 0; i < fits.size(); ++i) {
     if (fits[i] == PointFit::kUnseen) continue;
-    const Cell& cell = cells[cell_of(reference.points[i])];
-    if (cell.seen >= kMinPoints && 2 * cell.outliers > cell.seen) fits[i] = PointFit::kOutlier;
+    if (is_hidden(cells[cell_of(reference.points[i])])) fits[i] = PointFit::kOutlier;
     if (reference.points[i].is_excluded) continue;
     ++result.seen;
     if (fits[i] == PointFit::kOutlier) {

@@ -18,7 +18,8 @@ struct PointFits {
   // Of points that are not excluded:
   int seen = 0;
   int outliers = 0;
-  double rms = INFINITY;  // of the samples of points that fit, intensities
+  double misfit_area = 0;  // FitQuality::misfit_area
+  double rms = INFINITY;   // of the samples of points that fit, intensities
 
   double OutlierFraction() const { return seen > 0 ? static_cast<double>(outliers) / seen : 1; }
   // So many do not fit that something is before them.

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "prism/base/statistics.h"
+#include "prism/image/noise.h"
 
 namespace prism {
 namespace {
@@ -41,17 +44,50 @@ double ExposureRatio(const std::vector<double>& before, const std::vector<double
   return ratios.empty() ? 1 : Quantile(ratios, 0.5);
 }
 
+// The level on which texture is judged: noise counts less there.
+const ImageF& TextureLevel(const ImagePyramid& image) {
+  return image[std::min<size_t>(1, image.size() - 1)];
+}
+
+// The square of a pattern-free image's gradient is that of its noise: it shows nothing.
+bool ShowsNothing(const ImageF& image, double gradient, double min_rms_gradient) {
+  constexpr double kMinOverNoise = 1.3;
+  if (gradient < min_rms_gradient) return true;
+  constexpr double kSurelyTexture = 4;  // 0 to 255 a px
+  return gradient < kSurelyTexture && gradient < kMinOverNoise * EstimateImageNoise(image);
+}
+
+// By how much more constant velocity is off after `steps` times the time between the two frames it
+// is known from, against one: acceleration is what it leaves out.
+double ErrorGrowth(double steps) { return steps * (steps + 1) / 2; }
+
+PoseSigma SigmaOf(const Matrix6d& information) {
+  const Matrix6d covariance =
+      (information + 1e-6 * Matrix6d::Identity()).ldlt().solve(Matrix6d::Identity());
+  return {std::sqrt(covariance.diagonal().head<3>().mean()),
+          std::sqrt(covariance.diagonal().tail<3>().mean())};
+}
+
+Matrix6d InformationOf(const PoseSigma& sigma) {
+  Vector6d inverse_variance;
+  inverse_variance.head<3>().setConstant(1 / (sigma.translation_m * sigma.translation_m));
+  inverse_variance.tail<3>().setConstant(1 / (sigma.rotation_rad * sigma.rotation_rad));
+  return inverse_variance.asDiagonal();
+}
+
 }  // namespace
 
 bool TrackerOptions::IsValid(std::string* error) const {
   if (!alignment.IsValid(error) || !fit.IsValid(error)) return false;
   if (min_rms_gradient >= 0 && retry_steps >= 0 && retry_step > 0 && max_retries >= 1 &&
-      exclude_after >= 1) {
+      exclude_after >= 1 && min_held_points >= 6 && max_held_distance > 0 &&
+      max_held_gradient > 0) {
     return true;
   }
   *error =
-      "tracking needs a gradient and retry steps of 0 or more, a positive retry step, and a retry "
-      "and a misfit or more";
+      "tracking needs a gradient and retry steps of 0 or more, a positive retry step, a retry and "
+      "a "
+      "misfit or more, and 6 points or more near a prediction to hold a frame there";
   return false;
 }
 
@@ -74,19 +110,23 @@ void Tracker::Start(TrackingReference reference, const ImagePyramid& image, int6
   reference_ = std::move(reference);
   misfits_.assign(reference_.points.size(), 0);
   history_ = {{time_ns, AlignmentState()}};
+  motion_errors_.clear();
   last_intensities_ = Intensities(image);
 }
 
+double Tracker::StepsTo(int64_t time_ns) const {
+  if (!KnowsMotion()) return 0;
+  const double known_ns = static_cast<double>(history_[1].time_ns - history_[0].time_ns);
+  const double wanted_ns = static_cast<double>(time_ns - history_[1].time_ns);
+  return known_ns > 0 && wanted_ns > 0 ? wanted_ns / known_ns : 0;
+}
+
 SE3 Tracker::Motion(int64_t time_ns, double fraction) const {
-  if (!KnowsMotion()) return SE3();
-  const TrackedFrame& before = history_[0];
-  const TrackedFrame& last = history_[1];
-  const double known_ns = static_cast<double>(last.time_ns - before.time_ns);
-  const double wanted_ns = static_cast<double>(time_ns - last.time_ns);
-  if (!(known_ns > 0 && wanted_ns > 0)) return SE3();
+  const double steps = StepsTo(time_ns);
+  if (steps == 0) return SE3();
   const SE3 motion =
-      last.state.target_from_reference * before.state.target_from_reference.Inverse();
-  return SE3::Exp(fraction * wanted_ns / known_ns * motion.Log());
+      history_[1].state.target_from_reference * history_[0].state.target_from_reference.Inverse();
+  return SE3::Exp(fraction * steps * motion.Log());
 }
 
 AlignmentState Tracker::Prediction(int64_t time_ns) const {
@@ -148,8 +188,8 @@ TrackingResult Tracker::Track(const ImagePyramid& target,
                               const NoiseModel& noise,
                               const DepthCheck& check_depth) {
   TrackingResult result;
-  const ImageF& texture_level = target[std::min<size_t>(1, target.size() - 1)];
-  if (RmsGradient(texture_level) < options_.min_rms_gradient) {
+  const double gradient = RmsGradient(TextureLevel(target));
+  if (ShowsNothing(TextureLevel(target), gradient, options_.min_rms_gradient)) {
     result.status = TrackingStatus::kNoTexture;
     return result;
   }
@@ -164,10 +204,87 @@ TrackingResult Tracker::Track(const ImagePyramid& target,
     if (result.status == TrackingStatus::kGood || noise.KnowsFit()) break;
   }
   if (result.status != TrackingStatus::kGood) return result;
+  result.sigma =
+      SigmaOf(PoseInformation(reference_, target, result.alignment, noise, options_.alignment));
   ExcludePoints(result.alignment.points.fits);
+  ObserveMotion(time_ns, result.alignment.state.target_from_reference);
+  constexpr size_t kMaxGradients = 20;
+  gradients_.push_back(gradient);
+  if (gradients_.size() > kMaxGradients) gradients_.erase(gradients_.begin());
+  Remember(time_ns, result.alignment.state, std::move(intensities));
+  return result;
+}
+
+void Tracker::Remember(int64_t time_ns,
+                       const AlignmentState& state,
+                       std::vector<double> intensities) {
   last_intensities_ = std::move(intensities);
-  history_.push_back({time_ns, result.alignment.state});
+  history_.push_back({time_ns, state});
   if (history_.size() > 2) history_.erase(history_.begin());
+}
+
+std::optional<MotionPrediction> Tracker::PredictMotion(int64_t time_ns) const {
+  constexpr size_t kMinErrors = 4;
+  constexpr double kMaxSteps = 15;  // later, hands and robots have turned elsewhere
+  if (!KnowsMotion() || motion_errors_.size() < kMinErrors || StepsTo(time_ns) > kMaxSteps) {
+    return std::nullopt;
+  }
+  std::vector<double> translations, rotations;
+  for (const PoseSigma& error : motion_errors_) {
+    translations.push_back(error.translation_m);
+    rotations.push_back(error.rotation_rad);
+  }
+  // Errors are lengths of three axes; their median is 1.54 standard deviations of one.
+  const double growth = ErrorGrowth(StepsTo(time_ns)) / 1.54;
+  constexpr double kMinTranslation_m = 1e-4, kMinRotation_rad = 1e-4;
+  return MotionPrediction{Prediction(time_ns).target_from_reference,
+                          {std::max(growth * Quantile(translations, 0.5), kMinTranslation_m),
+                           std::max(growth * Quantile(rotations, 0.5), kMinRotation_rad)}};
+}
+
+double MotionPrediction::DistanceTo(const SE3& other_target_from_reference) const {
+  const Vector6d step = (other_target_from_reference * target_from_reference.Inverse()).Log();
+  return std::sqrt(step.dot(InformationOf(sigma) * step));
+}
+
+void Tracker::ObserveMotion(int64_t time_ns, const SE3& target_from_reference) {
+  constexpr size_t kMaxErrors = 20;
+  const double steps = StepsTo(time_ns);
+  if (!(steps > 0)) return;
+  const SE3 error = target_from_reference * Prediction(time_ns).target_from_reference.Inverse();
+  const double growth = ErrorGrowth(steps);
+  motion_errors_.push_back({error.translation().norm() / growth, RotationAngle(error) / growth});
+  if (motion_errors_.size() > kMaxErrors) motion_errors_.erase(motion_errors_.begin());
+}
+
+TrackingResult Tracker::Hold(const ImagePyramid& target,
+                             int64_t time_ns,
+                             const NoiseModel& noise,
+                             const DepthCheck& check_depth) {
+  TrackingResult result;
+  const std::optional<MotionPrediction> motion = PredictMotion(time_ns);
+  // A rich view that does not match is somewhere else.
+  if (!motion ||
+      RmsGradient(TextureLevel(target)) > options_.max_held_gradient * Quantile(gradients_, 0.5)) {
+    return result;
+  }
+  // A blank view would be explained by a gain of 0.
+  AlignmentOptions options = options_.alignment;
+  options.level.affine_brightness = false;
+  const PosePrior prior = {motion->target_from_reference, InformationOf(motion->sigma)};
+  constexpr int kNear = 2;
+  FrameAlignmentResult& held = result.alignment;
+  held = AlignFrame(reference_, target, Prediction(time_ns), noise, options, kNear, &prior);
+  result.attempts = 1;
+  if (held.points.seen - held.points.outliers < options_.min_held_points ||
+      motion->DistanceTo(held.state.target_from_reference) > options_.max_held_distance) {
+    return result;
+  }
+  if (check_depth) held.fit.depth_agreement = check_depth(reference_, held);
+  if (!options_.fit.held.AreMetBy(held.fit)) return result;
+  result.status = TrackingStatus::kHeld;
+  result.sigma = SigmaOf(PoseInformation(reference_, target, held, noise, options, &prior));
+  Remember(time_ns, held.state, Intensities(target));
   return result;
 }
 

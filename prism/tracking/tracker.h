@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,16 +26,44 @@ struct TrackerOptions {
   // A fit from another start than the predicted one has to cost less than this times that one.
   double max_cost_ratio = 0.6;
   int max_retries = 3;  // of the minima found there, best first, that are followed to the finest
+  // A frame that does not match is held (Hold) if it shows this many points and ends within this
+  // many standard deviations of where motion predicts it.
+  int min_held_points = 15;
+  double max_held_distance = 5;
+  double max_held_gradient =
+      0.6;  // and if it shows less than usual: RMS, of the last frames' median
 
   bool IsValid(std::string* error) const;
 };
 
-enum class TrackingStatus { kGood, kNoTexture, kLost, kDepthsDisagree };
+enum class TrackingStatus {
+  kGood,
+  kHeld,  // the view shows too little for a match: what it shows and the motion before say where
+  kNoTexture,
+  kLost,
+  kDepthsDisagree
+};
+
+// Standard deviations of a pose, of each axis, in the target frame.
+struct PoseSigma {
+  double translation_m = 0;
+  double rotation_rad = 0;
+};
 
 struct TrackingResult {
   TrackingStatus status = TrackingStatus::kLost;
   FrameAlignmentResult alignment;
   int attempts = 0;
+  PoseSigma sigma;  // of the alignment, relative to the reference; kGood and kHeld
+};
+
+// Where a frame is by motion alone.
+struct MotionPrediction {
+  SE3 target_from_reference;
+  PoseSigma sigma;
+
+  // Of another pose, in standard deviations.
+  double DistanceTo(const SE3& other_target_from_reference) const;
 };
 
 // Tracks frames against the latest keyframe: constant-velocity prediction first. When the result is
@@ -61,6 +90,17 @@ class Tracker {
                        const NoiseModel& noise,
                        const DepthCheck& check_depth = nullptr);
 
+  // For a frame that Track did not match, because its view shows too little: what it shows and the
+  // motion before (PredictMotion) say where it is, each with its certainty. kHeld or kLost.
+  TrackingResult Hold(const ImagePyramid& target,
+                      int64_t time_ns,
+                      const NoiseModel& noise,
+                      const DepthCheck& check_depth = nullptr);
+
+  // Constant velocity since the last tracked frame, and how far off that has been of late. Nothing
+  // before that is known, and more than 15 frames after the last.
+  std::optional<MotionPrediction> PredictMotion(int64_t time_ns) const;
+
   const TrackingReference& reference() const { return reference_; }
 
  private:
@@ -71,6 +111,9 @@ class Tracker {
   };
 
   bool KnowsMotion() const { return history_.size() == 2; }
+  // Time since the last tracked frame, in that between it and the one before; 0: motion is not
+  // known.
+  double StepsTo(int64_t time_ns) const;
   // Motion at constant velocity since the last tracked frame, in fractions of the time to
   // `time_ns`.
   SE3 Motion(int64_t time_ns, double fraction) const;
@@ -89,6 +132,8 @@ class Tracker {
                            const AlignmentState& prediction,
                            const NoiseModel& noise) const;
   void Judge(const NoiseModel& noise, const DepthCheck& check_depth, TrackingResult* result) const;
+  void Remember(int64_t time_ns, const AlignmentState& state, std::vector<double> intensities);
+  void ObserveMotion(int64_t time_ns, const SE3& target_from_reference);
   // Points that did not fit `exclude_after` frames in a row are left out until they fit again.
   void ExcludePoints(const std::vector<PointFit>& fits);
 
@@ -96,6 +141,8 @@ class Tracker {
   TrackingReference reference_;
   std::vector<int> misfits_;  // of each point of the reference, frames in a row
   std::vector<TrackedFrame> history_ = {TrackedFrame()};  // the last two
+  std::vector<double> gradients_;                         // RMS, of the last tracked frames
+  std::vector<PoseSigma> motion_errors_;  // of the last predictions, as if one frame ahead
   std::vector<double>
       last_intensities_;  // of the last tracked frame, see Intensities in tracker.cc
 };

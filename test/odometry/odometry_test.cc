@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "prism/base/statistics.h"
+#include "test/map/speckle_texture.h"
 #include "test/window/synthetic_window.h"
 
 namespace prism {
@@ -30,11 +31,14 @@ SE3 TruePose(int frame) {
                       .finished());
 }
 
-LightFieldFrame TrueFrame(int frame, const SE3& pose, double w_sigma = 0.002) {
+LightFieldFrame TrueFrame(int frame,
+                          const SE3& pose,
+                          double w_sigma = 0.002,
+                          const Texture& texture = PlaneTexture) {
   const PlenopticProjection camera(SyntheticCamera(Scene()));
   std::mt19937_64 generator = SeededGenerator(77, frame);
   std::normal_distribution<double> normal;
-  LightFieldFrame rendered = *RenderPlane(camera, pose, 1, &generator);
+  LightFieldFrame rendered = *RenderPlane(camera, pose, 1, &generator, texture);
   for (size_t i = 0; i < rendered.sigma.size(); ++i) {
     rendered.inverse_virtual_depth.data()[i] += static_cast<float>(w_sigma * normal(generator));
     rendered.sigma.data()[i] = static_cast<float>(w_sigma);
@@ -307,6 +311,116 @@ TEST(OdometryOptions, RefuseWhatMakesNoSense) {
   EXPECT_FALSE(is_valid([](Options* o) { o->tracker.alignment.level.depth_huber = 0; }));
   EXPECT_FALSE(is_valid([](Options* o) { o->keyframe.min_visible_fraction = -0.5; }));
   EXPECT_FALSE(is_valid([](Options* o) { o->terms = {nullptr}; }));
+}
+
+LightFieldFrame SpeckleFrame(int frame, const SE3& pose) {
+  return TrueFrame(frame, pose, 0.002, SpeckleTexture);
+}
+
+// The true pose of a frame of the kidnapped camera: along the path, then, from frame 22 on, along
+// it once more.
+SE3 KidnappedPose(int frame) { return TruePose(frame < 22 ? frame : frame - 18); }
+
+TEST(Odometry, AKidnappedCameraIsFoundInWhatItSawBeforeAndJoined) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  int joins = 0, segments = 0;
+  for (int i = 0; i < 40; ++i) {
+    const FrameResult result =
+        odometry.Process(i >= 18 && i < 22 ? BlackFrame(i) : SpeckleFrame(i, KidnappedPose(i)));
+    joins += result.joined.has_value();
+    segments = std::max(segments, result.segment + 1);
+  }
+  EXPECT_EQ(joins, segments - 1) << "all segments are joined";
+  EXPECT_EQ(odometry.map().Pieces().size(), 1u);
+  const Trajectory trajectory = odometry.FrameTrajectory();
+  EXPECT_GE(trajectory.size(), 34u);
+  const SE3 world_from_truth = trajectory[0].world_from_cam * KidnappedPose(0);
+  for (const StampedPose& pose : trajectory) {
+    const SE3 truth =
+        world_from_truth * KidnappedPose(static_cast<int>(pose.time_ns / 50'000'000)).Inverse();
+    EXPECT_LT((truth.translation() - pose.world_from_cam.translation()).norm(), 0.01)
+        << "frame " << pose.time_ns / 50'000'000;
+  }
+}
+
+TEST(Odometry, WithoutJoiningAKidnappedCameraStaysInAPieceOfItsOwn) {
+  OdometryOptions options = TestOptions();
+  options.joining.join = false;
+  Odometry odometry(SyntheticCamera(Scene()), options);
+  const SE3 elsewhere = SE3::Exp((Vector6d() << 1.3, 0.9, 0, 0, 0, 0.8).finished());
+  for (int i = 0; i < 40; ++i) {
+    odometry.Process(SpeckleFrame(i, i < 20 ? TruePose(i) : elsewhere * TruePose(i)));
+  }
+  EXPECT_EQ(odometry.map().Pieces(), (std::vector<int>{0, 1}));
+  EXPECT_EQ(odometry.map().FrameTrajectory(0).size(), 20u);
+}
+
+TEST(Odometry, ARunIsFoundInTheMapOfAnEarlierOne) {
+  Odometry first(SyntheticCamera(Scene()), TestOptions());
+  for (int i = 0; i < 20; ++i) first.Process(SpeckleFrame(i, TruePose(i)));
+  const std::vector<MappedPlace> places = first.CompleteMap().MappedPlaces(0);
+  ASSERT_GE(places.size(), 3u);
+
+  Odometry second(SyntheticCamera(Scene()), TestOptions());
+  second.LoadPlaces(places);
+  for (int i = 15; i > 2; --i) {
+    LightFieldFrame frame = SpeckleFrame(i, TruePose(i));
+    frame.time_ns = (100 - i) * int64_t{50'000'000};
+    second.Process(std::move(frame));
+  }
+  EXPECT_EQ(second.map().Pieces(), (std::vector<int>{kLoadedSegment}));
+  const Trajectory again = second.FrameTrajectory();
+  const Trajectory before = first.FrameTrajectory();
+  for (size_t i = 0; i < again.size(); ++i) {
+    const Eigen::Vector3d difference =
+        again[i].world_from_cam.translation() - before[15 - i].world_from_cam.translation();
+    EXPECT_LT(difference.norm(), 0.005) << "frame " << 15 - i;
+  }
+}
+
+TEST(Odometry, AFrameThatShowsNothingHasAPredictedPoseWithARisingSigma) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  for (int i = 0; i < 12; ++i) odometry.Process(SpeckleFrame(i, TruePose(i)));
+  double sigma = 0;
+  for (int i = 12; i < 16; ++i) {
+    const FrameResult result = odometry.Process(BlackFrame(i));
+    EXPECT_EQ(result.status, FrameStatus::kNoTexture);
+    EXPECT_GT(result.sigma.translation_m, sigma);
+    sigma = result.sigma.translation_m;
+    const Eigen::Vector3d error =
+        (result.state.pose() * TruePose(i).Inverse()).translation() - TruePose(0).translation();
+    EXPECT_LT(error.norm(), 0.02) << "frame " << i;
+  }
+  EXPECT_EQ(odometry.FrameTrajectory().size(), 12u) << "predicted poses are none of the trajectory";
+}
+
+// A view of which all but a strip has become a blank wall.
+LightFieldFrame NearlyBlankFrame(int frame, const SE3& pose) {
+  LightFieldFrame blank = SpeckleFrame(frame, pose);
+  ImageF image = blank.image[0];
+  std::mt19937_64 generator = SeededGenerator(3, frame);
+  std::normal_distribution<float> normal(128, 1);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width() - 50; ++x) {
+      image(x, y) = normal(generator);
+      blank.sigma(x, y) = blank.inverse_virtual_depth(x, y) = 0;
+    }
+  }
+  blank.image = BuildPyramid(std::move(image), 6);
+  return blank;
+}
+
+TEST(Odometry, APoorViewIsHeldByTheMotionBeforeAndTheWindowGoesOn) {
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  for (int i = 0; i < 30; ++i) {
+    const bool is_poor = i >= 12 && i < 20;
+    const FrameResult result = odometry.Process(is_poor ? NearlyBlankFrame(i, TruePose(i))
+                                                        : SpeckleFrame(i, TruePose(i)));
+    EXPECT_EQ(result.status, is_poor ? FrameStatus::kHeld : FrameStatus::kTracked) << "frame " << i;
+    EXPECT_EQ(result.segment, 0) << "frame " << i;
+  }
+  const Trajectory trajectory = odometry.FrameTrajectory();
+  EXPECT_LT(LargestError(trajectory, 0, trajectory.size()), 0.02);
 }
 
 }  // namespace

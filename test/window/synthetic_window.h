@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <random>
 #include <utility>
@@ -60,10 +61,13 @@ inline double PlaneDepth(const PlenopticProjection& camera,
   return z;
 }
 
+using Texture = std::function<double(double x, double y)>;
+
 inline std::shared_ptr<LightFieldFrame> RenderPlane(const PlenopticProjection& camera,
                                                     const SE3& cam_from_world,
                                                     double image_noise,
-                                                    std::mt19937_64* generator) {
+                                                    std::mt19937_64* generator,
+                                                    const Texture& texture = PlaneTexture) {
   std::normal_distribution<double> normal;
   auto frame = std::make_shared<LightFieldFrame>();
   ImageF image(camera.width, camera.height);
@@ -74,7 +78,7 @@ inline std::shared_ptr<LightFieldFrame> RenderPlane(const PlenopticProjection& c
       Eigen::Vector3d p;
       const double z = PlaneDepth(camera, cam_from_world, {x, y}, &p);
       const double noise = image_noise > 0 ? image_noise * normal(*generator) : 0;
-      image(x, y) = static_cast<float>(PlaneTexture(p.x(), p.y()) + noise);
+      image(x, y) = static_cast<float>(texture(p.x(), p.y()) + noise);
       frame->inverse_virtual_depth(x, y) = static_cast<float>(InverseVirtualDepth(camera, 1 / z));
       frame->sigma(x, y) = 0.004f;
     }

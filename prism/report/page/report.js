@@ -127,7 +127,7 @@
 
   function fill3d() {
     view.setExtent(extent(data.trajectory));
-    view.setTrajectory(data.trajectory);
+    view.setTrajectory(data.trajectory, data.pieces);
     view.setKeyframes(data.keyframes);
     if (data.groundtruth) {
       view.setGroundtruth(data.groundtruth);

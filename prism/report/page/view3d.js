@@ -2,6 +2,9 @@
 // camera of the view stands with its up along -y.
 'use strict';
 
+// Of the parts of a trajectory after the first (Okabe and Ito: told apart by colour-blind eyes).
+const OTHER_PIECES = ['#009e73', '#cc79a7', '#e69f00', '#f0e442'];
+
 function makeView3d(element, onKeyframe) {
   const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
@@ -58,7 +61,27 @@ function makeView3d(element, onKeyframe) {
   function setBackground() { scene.background = new THREE.Color(style('--ground')); }
 
   const view = {
-    setTrajectory(values) { replace('trajectory', lines(values, '--estimate', THREE.Line)); },
+    // `pieces`: of each position the part of the map it belongs to; parts that are not known relative
+    // to each other are not connected and have a colour each. Undefined: there is one.
+    setTrajectory(values, pieces) {
+      if (!pieces) {
+        replace('trajectory', lines(values, '--estimate', THREE.Line));
+        return;
+      }
+      const names = [...new Set(pieces)];
+      const points = [], colors = [];
+      for (let i = 1; i < pieces.length; ++i) {
+        if (pieces[i] !== pieces[i - 1]) continue;
+        const rank = names.indexOf(pieces[i]) % (OTHER_PIECES.length + 1);
+        const color = new THREE.Color(rank === 0 ? style('--estimate') : OTHER_PIECES[rank - 1]);
+        points.push(...values.slice(3 * i - 3, 3 * i + 3));
+        colors.push(...color.toArray(), ...color.toArray());
+      }
+      const geometry = geometryOf(points);
+      geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(colors), 3));
+      replace('trajectory', new THREE.LineSegments(
+          geometry, new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors})));
+    },
     setGroundtruth(values) { replace('groundtruth', lines(values, '--truth', THREE.Line)); },
 
     setCloud(xyz, intensities) {

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#include "prism/odometry/joining.h"
+
+#include <algorithm>
+
+namespace prism {
+namespace {
+
+// RMS flow between the views of a keyframe at the places that two placements give it, px.
+double Difference(const SegmentPlacement& left,
+                  const SegmentPlacement& right,
+                  const TrackingReference& reference,
+                  const SE3& cam_from_segment) {
+  if (left.onto_piece != right.onto_piece) return INFINITY;
+  const SE3 left_from_right = cam_from_segment * left.world_from_segment.Inverse() *
+                              right.world_from_segment * cam_from_segment.Inverse();
+  return FlowBetween(reference, SE3(), left_from_right);
+}
+
+}  // namespace
+
+bool JoiningOptions::IsValid(std::string* error) const {
+  if (!match.IsValid(error)) return false;
+  if (max_places >= 2 && min_agreeing >= 1 && max_flow > 0 && min_loop_keyframes >= 0 &&
+      max_loop_drift > 0 && max_loop_offset_m > 0 && max_loop_rotation > 0) {
+    return true;
+  }
+  *error =
+      "joining needs 2 places and a keyframe that agrees or more, and positive limits of what may "
+      "differ";
+  return false;
+}
+
+std::optional<SegmentPlacement> SegmentJoiner::Observe(const JoiningOptions& options,
+                                                       const std::vector<SegmentPlacement>& matches,
+                                                       const TrackingReference& reference,
+                                                       const SE3& cam_from_segment) {
+  if (matches.empty()) return std::nullopt;
+  const double max_px = options.max_flow * reference.cameras[0].width;
+  const auto agrees = [&](const SegmentPlacement& left, const SegmentPlacement& right) {
+    return Difference(left, right, reference, cam_from_segment) <= max_px;
+  };
+  const SegmentPlacement& newest = matches.front();
+  const bool is_clear = std::all_of(
+      matches.begin(), matches.end(), [&](const auto& other) { return agrees(newest, other); });
+  if (!is_clear) {
+    ++contradicting_;
+    return std::nullopt;
+  }
+  placements_.push_back(newest);
+  Vector6d mean = Vector6d::Zero();  // of those that agree, from `newest`
+  int agreeing = 0;
+  for (const SegmentPlacement& placement : placements_) {
+    if (!agrees(newest, placement)) continue;
+    ++agreeing;
+    mean += (placement.world_from_segment * newest.world_from_segment.Inverse()).Log();
+  }
+  const int contradicting = contradicting_ + static_cast<int>(placements_.size()) - agreeing;
+  if (agreeing < options.min_agreeing || agreeing <= 2 * contradicting) return std::nullopt;
+  return SegmentPlacement{newest.onto_piece, SE3::Exp(mean / agreeing) * newest.world_from_segment};
+}
+
+bool IsPlausibleLoop(const JoiningOptions& options,
+                     const Map& map,
+                     const PlaceMatch& match,
+                     int keyframe_id) {
+  const SE3 expected =
+      map.CamFromWorld(keyframe_id) * map.CamFromWorld(match.keyframe_id).Inverse();
+  const SE3 drift = match.query_from_known * expected.Inverse();
+  return drift.translation().norm() <=
+             options.max_loop_offset_m +
+                 options.max_loop_drift * map.PathBetween(match.keyframe_id, keyframe_id) &&
+         RotationAngle(drift) <= options.max_loop_rotation;
+}
+
+SegmentPlacement PlaceSegment(const Map& map,
+                              const PlaceMatch& match,
+                              const SE3& cam_from_segment) {
+  const SE3 cam_from_world = match.query_from_known * map.CamFromWorld(match.keyframe_id);
+  return {map.Piece(map.SegmentOf(match.keyframe_id)), cam_from_world.Inverse() * cam_from_segment};
+}
+
+}  // namespace prism

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prism/map/map.h"
+#include "prism/map/place_match.h"
+
+namespace prism {
+
+struct JoiningOptions {
+  bool join = true;  // false: a segment that starts after a loss stays on its own (ablation)
+  bool close_loops = false;  // places are looked for all the time, for Map::CloseLoops
+  PlaceMatchOptions match;
+  int max_places = 200;
+  // Keyframes whose matches have to agree on where a segment stands before it is joined: two views
+  // that look alike rarely do so twice in the same way.
+  int min_agreeing = 2;
+  // What they may differ by, RMS flow, fraction of the image width.
+  double max_flow = 0.006;
+  // Loops: the place is this many keyframes before the window at least, and stands where it was
+  // expected to within this fraction of the path between, and this much.
+  int min_loop_keyframes = 5;
+  double max_loop_drift = 0.1;
+  double max_loop_offset_m = 0.02;
+  double max_loop_rotation = 0.15;  // rad
+
+  bool IsValid(std::string* error) const;
+};
+
+// Where one match puts a segment.
+struct SegmentPlacement {
+  int onto_piece = 0;
+  SE3 world_from_segment;
+};
+
+// Collects what the keyframes of a segment say of where it stands.
+class SegmentJoiner {
+ public:
+  // The next segment, of which nothing is known.
+  void Reset() { *this = {}; }
+
+  // What the matches of one keyframe say; `reference` is that keyframe with its depths, for
+  // distances in px. The placement, their mean, once enough keyframes agree on it and more than
+  // twice as many as contradict it. A keyframe whose own matches disagree contradicts all.
+  std::optional<SegmentPlacement> Observe(const JoiningOptions& options,
+                                          const std::vector<SegmentPlacement>& matches,
+                                          const TrackingReference& reference,
+                                          const SE3& cam_from_segment);
+
+ private:
+  std::vector<SegmentPlacement> placements_;  // one a keyframe
+  int contradicting_ = 0;                     // keyframes whose own matches disagreed
+};
+
+// Whether a match within a piece of the map is one that the drift since allows. `keyframe_id`: that
+// of the query.
+bool IsPlausibleLoop(const JoiningOptions& options,
+                     const Map& map,
+                     const PlaceMatch& match,
+                     int keyframe_id);
+
+// Where a match puts the segment in which the query has a pose.
+SegmentPlacement PlaceSegment(const Map& map, const PlaceMatch& match, const SE3& cam_from_segment);
+
+}  // namespace prism
