@@ -24,6 +24,22 @@ cv::Mat PatchTexture(unsigned seed, const cv::Size& size) {
   return texture + 128;
 }
 
+// Something uniform before a part of the view.
+void PutSheet(const cv::Rect& part,
+              float gray,
+              float noise,
+              std::mt19937_64* generator,
+              cv::Mat* image,
+              cv::Mat* depth) {
+  cv::Mat sheet(part.size(), CV_32F);
+  std::normal_distribution<float> normal(gray, noise);
+  for (int y = 0; y < sheet.rows; ++y) {
+    for (int x = 0; x < sheet.cols; ++x) sheet.at<float>(y, x) = normal(*generator);
+  }
+  sheet.convertTo((*image)(part), image->type());
+  (*depth)(part).setTo(0);
+}
+
 }  // namespace
 
 void ScaleExposure(double gain, cv::Mat* image) {
@@ -34,15 +50,13 @@ void ScaleExposure(double gain, cv::Mat* image) {
 }
 
 void CoverHalf(std::mt19937_64* generator, cv::Mat* image, cv::Mat* depth) {
-  constexpr double kGray = 120, kNoise = 2;
-  const cv::Rect half(0, 0, image->cols / 2, image->rows);
-  cv::Mat sheet(half.size(), CV_32F);
-  std::normal_distribution<float> normal(kGray, kNoise);
-  for (int y = 0; y < sheet.rows; ++y) {
-    for (int x = 0; x < sheet.cols; ++x) sheet.at<float>(y, x) = normal(*generator);
-  }
-  sheet.convertTo((*image)(half), image->type());
-  (*depth)(half).setTo(0);
+  constexpr float kGray = 120, kNoise = 2;
+  PutSheet(cv::Rect(0, 0, image->cols / 2, image->rows), kGray, kNoise, generator, image, depth);
+}
+
+void CoverLens(std::mt19937_64* generator, cv::Mat* image, cv::Mat* depth) {
+  constexpr float kGray = 3, kNoise = 1;
+  PutSheet(cv::Rect(0, 0, image->cols, image->rows), kGray, kNoise, generator, image, depth);
 }
 
 void PasteMovingPatch(const MovingPatch& patch, int frame, cv::Mat* image, cv::Mat* depth) {

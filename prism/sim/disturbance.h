@@ -19,6 +19,9 @@ void ScaleExposure(double gain, cv::Mat* image);
 // it.
 void CoverHalf(std::mt19937_64* generator, cv::Mat* image, cv::Mat* depth);
 
+// The whole lens: nearly black, with the noise of a sensor, and no depth.
+void CoverLens(std::mt19937_64* generator, cv::Mat* image, cv::Mat* depth);
+
 // A textured patch over a fifth of the view, at one depth, which moves through the image: there and
 // back along an ellipse once in `period` frames.
 struct MovingPatch {

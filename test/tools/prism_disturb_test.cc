@@ -51,10 +51,33 @@ TEST(PrismDisturb, WritesASequenceWithItsFramesLeftOutAndDarkened) {
             0);
 }
 
+TEST(PrismDisturb, AKidnapGoesOnElsewhereAfterBlackFramesWithTimesThatRise) {
+  const std::string in = FreshFolder("in"), out = FreshFolder("out");
+  RgbdFolderOptions options;
+  options.num_frames = 8;
+  WriteRgbdFolder(in, options);
+  const ProgramResult result =
+      RunProgram("prism_disturb --sequence=" + in + " --output_dir=" + out +
+                 " --first=5 --count=2 --kidnap_to=1");
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  std::ifstream list(out + "/associations.txt");
+  std::string image, depth_time, depth;
+  std::vector<double> times, means;
+  for (double time; list >> time >> image >> depth_time >> depth;) {
+    times.push_back(time);
+    means.push_back(cv::mean(cv::imread(out + "/" + image, cv::IMREAD_GRAYSCALE))[0]);
+  }
+  ASSERT_EQ(times.size(), 5u + 2 + 7);
+  EXPECT_LT(means[5], 5);
+  EXPECT_EQ(means[7], means[1]);  // the view of frame 1
+  for (size_t i = 1; i < times.size(); ++i) EXPECT_GT(times[i], times[i - 1]);
+}
+
 TEST(PrismDisturb, BadInputIsToldAndNothingIsWritten) {
   const std::string in = FreshFolder("in"), out = FreshFolder("out") + "/new";
   WriteRgbdFolder(in);
-  for (const char* flags : {" --exposure=0", " --gross_depths=2", " --first=-1"}) {
+  for (const char* flags :
+       {" --exposure=0", " --gross_depths=2", " --first=-1", " --kidnap_to=1000"}) {
     const ProgramResult result =
         RunProgram("prism_disturb --sequence=" + in + " --output_dir=" + out + flags);
     EXPECT_EQ(result.exit_status, 2) << flags;
