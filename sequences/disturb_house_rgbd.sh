@@ -17,3 +17,5 @@ disturb dark --exposure=0.5 --first=60
 disturb patch_from_the_start --moving_patch_m=1
 disturb patch_later --moving_patch_m=2 --first=30 --count=60 --seed=1
 disturb gross_depths --gross_depths=0.3
+disturb kidnap --first=60 --count=10 --kidnap_to=30
+disturb covered --black --first=50 --count=20

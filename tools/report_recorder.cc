@@ -40,6 +40,7 @@ void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
   entry.is_tracked = HasPose(frame.status);
   entry.is_keyframe = frame.is_keyframe;
   entry.segment = frame.segment;
+  entry.is_held = frame.status == FrameStatus::kHeld;
   entry.is_joined = frame.joined.has_value();
   entry.residual_rms = frame.rms;
   entry.points = frame.points_used;

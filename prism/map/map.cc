@@ -165,16 +165,15 @@ int Map::CloseLoops() {
     const bool is_first = pieces_held.insert(Piece(keyframe.segment)).second;
     if (is_first || keyframe.segment == kLoadedSegment) held.push_back(id);
   }
-  std::vector<PoseEdge> edges = edges_;
+  std::vector<PoseEdge> edges;
   int loops = 0;
-  for (PoseEdge& edge : edges) {
+  for (PoseEdge edge : edges_) {
+    if (Piece(SegmentOf(edge.from)) != Piece(SegmentOf(edge.to))) continue;
+    loops += edge.is_loop;
     // Windows know the pose of a keyframe relative to the one before better than the alignment did
     // that has the information.
-    if (edge.is_loop) {
-      ++loops;
-    } else {
-      edge.to_from_from = poses.at(edge.to) * poses.at(edge.from).Inverse();
-    }
+    if (!edge.is_loop) edge.to_from_from = poses.at(edge.to) * poses.at(edge.from).Inverse();
+    edges.push_back(edge);
   }
   OptimizePoses(edges, held, &poses);
   for (auto& [id, keyframe] : keyframes_) {

@@ -40,9 +40,7 @@ Place MakePlace(const PlenopticProjection& camera,
                             static_cast<float>(point.rho),
                             static_cast<float>(point.rho_sigma)});
   }
-  std::vector<double> rho;
-  for (const ReferencePoint& point : points) rho.push_back(point.rho);
-  place.median_rho = static_cast<float>(Quantile(rho, 0.5));
+  place.median_rho = static_cast<float>(MedianInverseDepth(points));
   DetectFeatures(camera, frame, &place);
   return place;
 }
@@ -64,6 +62,12 @@ std::vector<ReferencePoint> MeasuredPoints(const PlenopticProjection& camera,
     if (point.rho * camera.f < 1) points.push_back(point);
   }
   return points;
+}
+
+double MedianInverseDepth(const std::vector<ReferencePoint>& points) {
+  std::vector<double> rho;
+  for (const ReferencePoint& point : points) rho.push_back(point.rho);
+  return Quantile(std::move(rho), 0.5);
 }
 
 PlaceView MakePlaceView(const PlenopticCamera& camera, const Place& place) {

@@ -24,6 +24,9 @@ std::vector<ReferencePoint> MeasuredPoints(const PlenopticProjection& camera,
                                            int count,
                                            const PointSelectionOptions& options);
 
+// 1/m; 0: there are none.
+double MedianInverseDepth(const std::vector<ReferencePoint>& points);
+
 // A place ready for alignment: frames to it, and it to frames.
 struct PlaceView {
   ImagePyramid image;

@@ -2,20 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/map/pose_graph.h"
 
+#include <cmath>
+
 #include <ceres/ceres.h>
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "prism/geometry/se3_manifold.h"
 
 namespace prism {
 namespace {
 
-// A factor L^T of the information, whose smallest eigenvalues are kept away from 0 relative to the
-// largest, as directions that an alignment does not see at all are none of a rigid motion.
-Matrix6d RootOf(const Matrix6d& information) {
+// Symmetric, its smallest eigenvalues kept away from 0 relative to the largest: directions that an
+// alignment does not see at all are none of a rigid motion.
+Matrix6d Inverted(const Matrix6d& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
   const double smallest = 1e-9 * solver.eigenvalues().maxCoeff();
-  return solver.eigenvalues().cwiseMax(smallest).cwiseSqrt().asDiagonal() *
+  return solver.eigenvectors() *
+         solver.eigenvalues().cwiseMax(smallest).cwiseInverse().asDiagonal() *
          solver.eigenvectors().transpose();
 }
 
@@ -31,6 +35,18 @@ struct PoseEdgeResidual {
 
 }  // namespace
 
+Matrix6d EdgeInformation(const Matrix6d& alignment_information,
+                         const SE3& to_from_from,
+                         double median_rho) {
+  // The measured scale of a keyframe's depths scatters by about this (docs/depth.md).
+  constexpr double kScaleSigma = 0.005;
+  const double sigma = kScaleSigma * to_from_from.translation().norm();
+  Matrix6d covariance = Inverted(alignment_information);
+  covariance.diagonal().head<3>().array() += sigma * sigma;
+  covariance.diagonal().tail<3>().array() += std::pow(sigma * median_rho, 2);
+  return Inverted(covariance);
+}
+
 void OptimizePoses(const std::vector<PoseEdge>& edges,
                    const std::vector<int>& held,
                    std::map<int, SE3>* poses) {
@@ -42,7 +58,7 @@ void OptimizePoses(const std::vector<PoseEdge>& edges,
     // Few hundred edges: numeric derivatives cost nothing that matters.
     problem.AddResidualBlock(
         new ceres::NumericDiffCostFunction<PoseEdgeResidual, ceres::CENTRAL, 6, 7, 7>(
-            new PoseEdgeResidual{edge.to_from_from.Inverse(), RootOf(edge.information)}),
+            new PoseEdgeResidual{edge.to_from_from.Inverse(), edge.information.llt().matrixU()}),
         edge.is_loop ? new ceres::CauchyLoss(kLoopScale) : nullptr,
         from->second.data(),
         to->second.data());

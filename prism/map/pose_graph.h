@@ -14,9 +14,16 @@ struct PoseEdge {
   int from = 0;  // keyframe ids
   int to = 0;
   SE3 to_from_from;
-  Matrix6d information = Matrix6d::Identity();  // of it, tangent on its left
+  Matrix6d information = Matrix6d::Identity();  // of it, tangent on its left; positive definite
   bool is_loop = false;  // found by what the views look like, so that it may be wrong: robust
 };
+
+// The information of an edge from that of an alignment, which knows of noise only: its translation
+// may be too long or too short by a share of its length as well, and turned by what looks the same
+// at the median inverse depth of the points (1/m), as their depths are off in common.
+Matrix6d EdgeInformation(const Matrix6d& alignment_information,
+                         const SE3& to_from_from,
+                         double median_rho);
 
 // Poses cam_from_world (by keyframe id) that fit all edges best: the sum over edges of
 //   rho(|| L^T Log(T_to T_from^-1 T_measured^-1) ||^2),   L L^T = information,

@@ -21,8 +21,8 @@ struct JoiningOptions {
   int min_agreeing = 2;
   // What they may differ by, RMS flow, fraction of the image width.
   double max_flow = 0.006;
-  // Loops: the place is this many keyframes before the window at least, and stands where it was
-  // expected to within this fraction of the path between, and this much.
+  // Loops: the place is this many keyframes back at least, and stands where it was expected to
+  // within this fraction of the path between, and this much.
   int min_loop_keyframes = 5;
   double max_loop_drift = 0.1;
   double max_loop_offset_m = 0.02;

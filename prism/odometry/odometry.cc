@@ -177,10 +177,13 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
     if (options_.joining.close_loops) {
       const Matrix6d information = PoseInformation(
           tracker_.reference(), frame->image, alignment, window_.noise, options_.tracker.alignment);
+      const SE3& target_from_reference = alignment.state.target_from_reference;
       map_.AddEdge({match.reference->id,
                     next_keyframe_id_,
-                    alignment.state.target_from_reference,
-                    information});
+                    target_from_reference,
+                    EdgeInformation(information,
+                                    target_from_reference,
+                                    MedianInverseDepth(tracker_.reference().points))});
     }
     result.keyframe = MakeKeyframe(frame, result.state, reference.pose(), alignment.points);
     result.is_keyframe = true;
@@ -291,7 +294,7 @@ std::optional<JoinedSegment> Odometry::JoinSegment() {
   std::vector<const Place*> places;
   for (const auto& [id, place] : map_.places()) {
     const bool is_joined = map_.Piece(map_.SegmentOf(id)) == map_.Piece(segment_);
-    const bool is_old = id + options.min_loop_keyframes <= window_.keyframes.front()->id;
+    const bool is_old = id + options.min_loop_keyframes <= keyframe.id;
     if (is_joined ? options.close_loops && is_old : options.join) places.push_back(&place);
   }
   if (places.empty()) return std::nullopt;
@@ -306,7 +309,12 @@ std::optional<JoinedSegment> Odometry::JoinSegment() {
     } else if (!IsPlausibleLoop(options, map_, match, keyframe.id)) {
       continue;
     }
-    map_.AddEdge({match.keyframe_id, keyframe.id, match.query_from_known, match.information, true});
+    map_.AddEdge(
+        {match.keyframe_id,
+         keyframe.id,
+         match.query_from_known,
+         EdgeInformation(match.information, match.query_from_known, query.place.median_rho),
+         true});
   }
   const std::optional<SegmentPlacement> placement =
       joiner_.Observe(options, placements, query.reference, keyframe.state.pose());

@@ -108,9 +108,10 @@ void SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyfram
 
 std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames) {
   std::vector<std::string> problems;
-  int segments = 0, joined = 0;
+  int segments = 0, joined = 0, held = 0;
   for (size_t i = 0; i < frames.size(); ++i) {
     joined += frames[i].is_joined;
+    held += frames[i].is_held;
     if (frames[i].is_tracked) {
       segments = std::max(segments, frames[i].segment + 1);
       continue;
@@ -125,6 +126,10 @@ std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames) {
                                   : "frames " + std::to_string(i) + " to " + std::to_string(last);
     problems.push_back(which + " not tracked (" + frames[i].status + ")");
     i = last;
+  }
+  if (held > 0) {
+    problems.push_back(std::to_string(held) +
+                       " frames show little and are held by the motion before them");
   }
   if (segments > 1) {
     std::string text = "the trajectory has " + std::to_string(segments) + " segments";

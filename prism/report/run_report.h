@@ -24,6 +24,7 @@ struct ReportFrame {
   bool is_tracked = false;
   bool is_keyframe = false;
   int segment = 0;
+  bool is_held = false;    // tracked, on little and on the motion before
   bool is_joined = false;  // with this frame its segment was found to be part of what was before
   // Only of tracked frames.
   double residual_rms = 0;                 // intensities, 0 to 255

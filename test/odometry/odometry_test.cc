@@ -414,8 +414,8 @@ TEST(Odometry, APoorViewIsHeldByTheMotionBeforeAndTheWindowGoesOn) {
   Odometry odometry(SyntheticCamera(Scene()), TestOptions());
   for (int i = 0; i < 30; ++i) {
     const bool is_poor = i >= 12 && i < 20;
-    const FrameResult result = odometry.Process(is_poor ? NearlyBlankFrame(i, TruePose(i))
-                                                        : SpeckleFrame(i, TruePose(i)));
+    const FrameResult result =
+        odometry.Process(is_poor ? NearlyBlankFrame(i, TruePose(i)) : SpeckleFrame(i, TruePose(i)));
     EXPECT_EQ(result.status, is_poor ? FrameStatus::kHeld : FrameStatus::kTracked) << "frame " << i;
     EXPECT_EQ(result.segment, 0) << "frame " << i;
   }

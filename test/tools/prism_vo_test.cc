@@ -149,6 +149,39 @@ TEST(PrismVo, PlaysBackwardsWithTheTimesOfTheFile) {
   EXPECT_GT(backwards.front().world_from_cam.translation().norm(), 0.01);
 }
 
+TEST(PrismVo, AMapIsSavedAndALaterRunFindsItselfInIt) {
+  const std::string folder = FreshFolder("map");
+  WriteRgbdFolder(folder + "/sequence");
+  ProgramResult result = RunVo(
+      folder + "/sequence", folder + "/first", "--close_loops --save_map=" + folder + "/saved");
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_THAT(result.output, AllOf(HasSubstr("close loops"), HasSubstr("places saved")));
+  for (const char* file : {"trajectory_closed.txt", "keyframes_closed.txt", "points_closed.ply"}) {
+    EXPECT_TRUE(fs::exists(folder + "/first/" + file)) << file;
+  }
+  result = RunVo(folder + "/sequence",
+                 folder + "/second",
+                 "--reverse --map=" + folder + "/saved --save_map=" + folder + "/saved");
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  const nlohmann::json run = ReadJson(folder + "/second/run.json");
+  ASSERT_EQ(run["joins"].size(), 1u) << result.output;
+  EXPECT_EQ(run["joins"][0]["piece"], -1);
+  EXPECT_EQ(run["segments"][0]["piece"], -1);
+  // Both are in the world of the first.
+  const Trajectory first = ReadTrajectory(folder + "/first/trajectory.txt");
+  const Trajectory second = ReadTrajectory(folder + "/second/trajectory.txt");
+  ASSERT_EQ(first.size(), second.size());
+  for (size_t i = 0; i < first.size(); ++i) {
+    EXPECT_LT(
+        (first[i].world_from_cam.translation() - second[i].world_from_cam.translation()).norm(),
+        0.005)
+        << "frame " << i;
+  }
+  EXPECT_EQ(
+      RunVo(folder + "/sequence", folder + "/third", "--map=" + folder + "/first").exit_status, 2);
+  EXPECT_FALSE(fs::exists(folder + "/third"));
+}
+
 TEST(PrismVo, BadInputExitsWithTwoAndLeavesNothingBehind) {
   const std::string folder = FreshFolder("run");
   RgbdFolderOptions options;
