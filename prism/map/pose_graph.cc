@@ -50,7 +50,7 @@ Matrix6d EdgeInformation(const Matrix6d& alignment_information,
 void OptimizePoses(const std::vector<PoseEdge>& edges,
                    const std::vector<int>& held,
                    std::map<int, SE3>* poses) {
-  constexpr double kLoopScale = 3;  // standard deviations
+  constexpr double kLoopScale = 10;  // standard deviations
   ceres::Problem problem;
   for (const PoseEdge& edge : edges) {
     const auto from = poses->find(edge.from), to = poses->find(edge.to);

@@ -27,8 +27,9 @@ Matrix6d EdgeInformation(const Matrix6d& alignment_information,
 
 // Poses cam_from_world (by keyframe id) that fit all edges best: the sum over edges of
 //   rho(|| L^T Log(T_to T_from^-1 T_measured^-1) ||^2),   L L^T = information,
-// with Cauchy's rho (scale 3) for loops, by Ceres. The poses `held` stay; others without a chain of
-// edges to one of them must not be. Edges to poses that are not given are left out.
+// with Cauchy's rho (scale 10: stated deviations are those of noise) for loops, by Ceres. The poses
+// `held` stay; others without a chain of edges to one of them must not be. Edges to poses that are
+// not given are left out.
 void OptimizePoses(const std::vector<PoseEdge>& edges,
                    const std::vector<int>& held,
                    std::map<int, SE3>* poses);
