@@ -44,19 +44,17 @@ std::optional<SegmentPlacement> SegmentJoiner::Observe(const JoiningOptions& opt
   const SegmentPlacement& newest = matches.front();
   const bool is_clear = std::all_of(
       matches.begin(), matches.end(), [&](const auto& other) { return agrees(newest, other); });
-  if (!is_clear) {
-    ++contradicting_;
-    return std::nullopt;
-  }
-  placements_.push_back(newest);
+  placements_.push_back(is_clear ? std::optional(newest) : std::nullopt);
+  if (placements_.size() > kRemembered) placements_.erase(placements_.begin());
+  if (!is_clear) return std::nullopt;
   Vector6d mean = Vector6d::Zero();  // of those that agree, from `newest`
   int agreeing = 0;
-  for (const SegmentPlacement& placement : placements_) {
-    if (!agrees(newest, placement)) continue;
+  for (const std::optional<SegmentPlacement>& placement : placements_) {
+    if (!placement || !agrees(newest, *placement)) continue;
     ++agreeing;
-    mean += (placement.world_from_segment * newest.world_from_segment.Inverse()).Log();
+    mean += (placement->world_from_segment * newest.world_from_segment.Inverse()).Log();
   }
-  const int contradicting = contradicting_ + static_cast<int>(placements_.size()) - agreeing;
+  const int contradicting = static_cast<int>(placements_.size()) - agreeing;
   if (agreeing < options.min_agreeing || agreeing <= 2 * contradicting) return std::nullopt;
   return SegmentPlacement{newest.onto_piece, SE3::Exp(mean / agreeing) * newest.world_from_segment};
 }

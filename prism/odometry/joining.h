@@ -52,8 +52,11 @@ class SegmentJoiner {
                                           const SE3& cam_from_segment);
 
  private:
-  std::vector<SegmentPlacement> placements_;  // one a keyframe
-  int contradicting_ = 0;                     // keyframes whose own matches disagreed
+  static constexpr size_t kRemembered =
+      5;  // a segment that drifts contradicts what it said long ago
+
+  // Of the last keyframes that matched anything; nothing: their own matches disagreed.
+  std::vector<std::optional<SegmentPlacement>> placements_;
 };
 
 // Whether a match within a piece of the map is one that the drift since allows. `keyframe_id`: that

@@ -80,8 +80,8 @@ Matrix6d InformationOf(const PoseSigma& sigma) {
 bool TrackerOptions::IsValid(std::string* error) const {
   if (!alignment.IsValid(error) || !fit.IsValid(error)) return false;
   if (min_rms_gradient >= 0 && retry_steps >= 0 && retry_step > 0 && max_retries >= 1 &&
-      exclude_after >= 1 && min_held_points >= 6 && max_held_distance > 0 &&
-      max_held_gradient > 0) {
+      exclude_after >= 1 && min_held_points >= 6 && max_held_distance > 0 && max_held_steps > 0 &&
+      max_held_gradient > 0 && min_held_fraction >= 0) {
     return true;
   }
   *error =
@@ -264,7 +264,7 @@ TrackingResult Tracker::Hold(const ImagePyramid& target,
   TrackingResult result;
   const std::optional<MotionPrediction> motion = PredictMotion(time_ns);
   // A rich view that does not match is somewhere else.
-  if (!motion ||
+  if (!motion || StepsTo(time_ns) > options_.max_held_steps ||
       RmsGradient(TextureLevel(target)) > options_.max_held_gradient * Quantile(gradients_, 0.5)) {
     return result;
   }
@@ -276,7 +276,9 @@ TrackingResult Tracker::Hold(const ImagePyramid& target,
   FrameAlignmentResult& held = result.alignment;
   held = AlignFrame(reference_, target, Prediction(time_ns), noise, options, kNear, &prior);
   result.attempts = 1;
-  if (held.points.seen - held.points.outliers < options_.min_held_points ||
+  const int fitting = held.points.seen - held.points.outliers;
+  if (fitting < options_.min_held_points ||
+      fitting < options_.min_held_fraction * static_cast<double>(reference_.points.size()) ||
       motion->DistanceTo(held.state.target_from_reference) > options_.max_held_distance) {
     return result;
   }

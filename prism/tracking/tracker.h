@@ -26,12 +26,15 @@ struct TrackerOptions {
   // A fit from another start than the predicted one has to cost less than this times that one.
   double max_cost_ratio = 0.6;
   int max_retries = 3;  // of the minima found there, best first, that are followed to the finest
-  // A frame that does not match is held (Hold) if it shows this many points and ends within this
-  // many standard deviations of where motion predicts it.
+  // A frame that does not match is held (Hold) if it shows this many points of the reference, and
+  // this share of them, ends within this many standard deviations of where motion predicts it, no
+  // more than this many frames after the last one with a pose, and shows less than usual: root mean
+  // squared gradient over the median of the last frames'.
   int min_held_points = 15;
+  double min_held_fraction = 0.05;  // by chance 2 to 3 % fit somewhere near
   double max_held_distance = 5;
-  double max_held_gradient =
-      0.6;  // and if it shows less than usual: RMS, of the last frames' median
+  double max_held_steps = 3;
+  double max_held_gradient = 0.6;
 
   bool IsValid(std::string* error) const;
 };
