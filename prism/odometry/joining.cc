@@ -7,23 +7,29 @@
 namespace prism {
 namespace {
 
-// RMS flow between the views of a keyframe at the places that two placements give it, px.
-double Difference(const SegmentPlacement& left,
-                  const SegmentPlacement& right,
-                  const TrackingReference& reference,
-                  const SE3& cam_from_segment) {
-  if (left.onto_piece != right.onto_piece) return INFINITY;
-  const SE3 left_from_right = cam_from_segment * left.world_from_segment.Inverse() *
-                              right.world_from_segment * cam_from_segment.Inverse();
-  return FlowBetween(reference, SE3(), left_from_right);
+// Whether two placements put a keyframe at the same place, as far as a segment that is right by
+// itself, or nearly so, can tell.
+bool Agree(const JoiningOptions& options,
+           const SegmentPlacement& left,
+           const SegmentPlacement& right,
+           const TrackingReference& reference) {
+  if (left.onto_piece != right.onto_piece) return false;
+  const SE3 left_from_right = left.cam_from_segment * left.world_from_segment.Inverse() *
+                              right.world_from_segment * left.cam_from_segment.Inverse();
+  const double motion =
+      FlowBetween(reference, SE3(), left.cam_from_segment * right.cam_from_segment.Inverse());
+  const double limit = options.max_flow * reference.cameras[0].width;
+  return FlowBetween(reference, SE3(), left_from_right) <=
+         std::min(limit + options.max_flow_of_motion * motion, 4 * limit);
 }
 
 }  // namespace
 
 bool JoiningOptions::IsValid(std::string* error) const {
   if (!match.IsValid(error)) return false;
-  if (max_places >= 2 && min_agreeing >= 1 && max_flow > 0 && min_loop_keyframes >= 0 &&
-      max_loop_drift > 0 && max_loop_offset_m > 0 && max_loop_rotation > 0) {
+  if (max_places >= 2 && min_agreeing >= 1 && max_flow > 0 && max_flow_of_motion >= 0 &&
+      min_loop_keyframes >= 0 && max_loop_drift > 0 && max_loop_offset_m > 0 &&
+      max_loop_rotation > 0) {
     return true;
   }
   *error =
@@ -34,12 +40,10 @@ bool JoiningOptions::IsValid(std::string* error) const {
 
 std::optional<SegmentPlacement> SegmentJoiner::Observe(const JoiningOptions& options,
                                                        const std::vector<SegmentPlacement>& matches,
-                                                       const TrackingReference& reference,
-                                                       const SE3& cam_from_segment) {
+                                                       const TrackingReference& reference) {
   if (matches.empty()) return std::nullopt;
-  const double max_px = options.max_flow * reference.cameras[0].width;
   const auto agrees = [&](const SegmentPlacement& left, const SegmentPlacement& right) {
-    return Difference(left, right, reference, cam_from_segment) <= max_px;
+    return Agree(options, left, right, reference);
   };
   const SegmentPlacement& newest = matches.front();
   const bool is_clear = std::all_of(
@@ -56,7 +60,9 @@ std::optional<SegmentPlacement> SegmentJoiner::Observe(const JoiningOptions& opt
   }
   const int contradicting = static_cast<int>(placements_.size()) - agreeing;
   if (agreeing < options.min_agreeing || agreeing <= 2 * contradicting) return std::nullopt;
-  return SegmentPlacement{newest.onto_piece, SE3::Exp(mean / agreeing) * newest.world_from_segment};
+  return SegmentPlacement{newest.onto_piece,
+                          SE3::Exp(mean / agreeing) * newest.world_from_segment,
+                          newest.cam_from_segment};
 }
 
 bool IsPlausibleLoop(const JoiningOptions& options,
@@ -76,7 +82,9 @@ SegmentPlacement PlaceSegment(const Map& map,
                               const PlaceMatch& match,
                               const SE3& cam_from_segment) {
   const SE3 cam_from_world = match.query_from_known * map.CamFromWorld(match.keyframe_id);
-  return {map.Piece(map.SegmentOf(match.keyframe_id)), cam_from_world.Inverse() * cam_from_segment};
+  return {map.Piece(map.SegmentOf(match.keyframe_id)),
+          cam_from_world.Inverse() * cam_from_segment,
+          cam_from_segment};
 }
 
 }  // namespace prism

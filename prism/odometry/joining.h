@@ -19,8 +19,11 @@ struct JoiningOptions {
   // Keyframes whose matches have to agree on where a segment stands before it is joined: two views
   // that look alike rarely do so twice in the same way.
   int min_agreeing = 2;
-  // What they may differ by, RMS flow, fraction of the image width.
+  // What they may differ by, RMS flow, fraction of the image width: so much, and so much of the
+  // flow between the two keyframes, as the segment may be wrong by itself (a start before a blank
+  // wall), but no more than four times so much in all.
   double max_flow = 0.006;
+  double max_flow_of_motion = 0.15;
   // Loops: the place is this many keyframes back at least, and stands where it was expected to
   // within this fraction of the path between, and this much.
   int min_loop_keyframes = 5;
@@ -35,6 +38,7 @@ struct JoiningOptions {
 struct SegmentPlacement {
   int onto_piece = 0;
   SE3 world_from_segment;
+  SE3 cam_from_segment;  // of the keyframe that says so
 };
 
 // Collects what the keyframes of a segment say of where it stands.
@@ -48,8 +52,7 @@ class SegmentJoiner {
   // twice as many as contradict it. A keyframe whose own matches disagree contradicts all.
   std::optional<SegmentPlacement> Observe(const JoiningOptions& options,
                                           const std::vector<SegmentPlacement>& matches,
-                                          const TrackingReference& reference,
-                                          const SE3& cam_from_segment);
+                                          const TrackingReference& reference);
 
  private:
   static constexpr size_t kRemembered =

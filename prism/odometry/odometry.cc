@@ -273,7 +273,7 @@ std::optional<SE3> Odometry::Recognize(const LightFieldFrame& frame) {
   SegmentJoiner joiner;
   JoiningOptions one = options_.joining;
   one.min_agreeing = 1;
-  const auto placement = joiner.Observe(one, placements, query.reference, SE3());
+  const auto placement = joiner.Observe(one, placements, query.reference);
   return placement ? std::optional(placement->world_from_segment) : std::nullopt;
 }
 
@@ -317,7 +317,7 @@ std::optional<JoinedSegment> Odometry::JoinSegment() {
          true});
   }
   const std::optional<SegmentPlacement> placement =
-      joiner_.Observe(options, placements, query.reference, keyframe.state.pose());
+      joiner_.Observe(options, placements, query.reference);
   if (!placement) return std::nullopt;
   const SE3 moved = map_.Join(segment_, placement->onto_piece, placement->world_from_segment);
   joiner_.Reset();
