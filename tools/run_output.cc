@@ -17,10 +17,6 @@
 namespace prism {
 namespace {
 
-std::string InFolder(const std::string& folder, const std::string& name) {
-  return (std::filesystem::path(folder) / name).string();
-}
-
 std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
   std::vector<PlyPoint> points;
   for (const MapPoint& point : map_points) {

@@ -42,6 +42,10 @@ void WriteTextAtomically(const std::string& path, const std::string& contents) {
   });
 }
 
+std::string InFolder(const std::string& folder, const std::string& name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
 void CreateDirectory(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);

@@ -17,6 +17,9 @@ void WriteFileAtomically(const std::string& path,
 // The same for contents in memory.
 void WriteTextAtomically(const std::string& path, const std::string& contents);
 
+// The path of a name, or a relative path, in a folder.
+std::string InFolder(const std::string& folder, const std::string& name);
+
 // Creates a directory with its parents. Throws InputError if that cannot be done.
 void CreateDirectory(const std::string& path);
 

@@ -23,10 +23,6 @@ constexpr const char* kFormat = "prism_map";
 constexpr int kVersion = 1;
 constexpr int kDescriptorSize = 32;
 
-std::string InFolder(const std::string& folder, const std::string& name) {
-  return (std::filesystem::path(folder) / name).string();
-}
-
 std::string ImageName(int id) {
   char name[32];
   std::snprintf(name, sizeof(name), "images/%06d.jpg", id);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "prism/base/error.h"
+#include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/image_file.h"
 #include "prism/io/time_list.h"
@@ -16,10 +17,6 @@ namespace {
 
 constexpr double kDepthUnitsPerMetre = 5000;
 constexpr int64_t kMaxTimeDifferenceNs = 20'000'000;
-
-std::string InFolder(const std::string& folder, const std::string& name) {
-  return (std::filesystem::path(folder) / name).string();
-}
 
 bool Exists(const std::string& folder, const char* name) {
   return std::filesystem::is_regular_file(InFolder(folder, name));

@@ -73,7 +73,6 @@ class Map {
   std::map<int, int> PieceOfSegments() const;
 
   const std::map<int, Place>& places() const { return places_.places(); }
-  const std::vector<PoseEdge>& edges() const { return edges_; }
   // The places of the piece of a segment in the world, to be kept for a later run.
   std::vector<MappedPlace> MappedPlaces(int piece) const;
 

@@ -42,17 +42,21 @@ float MeasuredInverseDepth(const PlenopticProjection& camera,
 
 }  // namespace
 
-void DetectFeatures(const PlenopticProjection& camera, const LightFieldFrame& frame, Place* place) {
-  size_t level = 0;
-  while (level + 1 < frame.image.size() && frame.image[level].width() > kMaxWidth) ++level;
-  const ImageF& image = frame.image[level];
+cv::Mat RoundedImage(const ImageF& image) {
   cv::Mat rounded;
   cv::Mat(image.height(), image.width(), CV_32FC1, const_cast<float*>(image.data()))
       .convertTo(rounded, CV_8U);
+  return rounded;
+}
+
+void DetectFeatures(const PlenopticProjection& camera, const LightFieldFrame& frame, Place* place) {
+  size_t level = 0;
+  while (level + 1 < frame.image.size() && frame.image[level].width() > kMaxWidth) ++level;
   const auto orb =
       cv::ORB::create(kNumFeatures, 1.2F, 6, 19, 0, 2, cv::ORB::HARRIS_SCORE, 31, kFastThreshold);
   std::vector<cv::KeyPoint> keypoints;
-  orb->detectAndCompute(rounded, cv::noArray(), keypoints, place->descriptors);
+  orb->detectAndCompute(
+      RoundedImage(frame.image[level]), cv::noArray(), keypoints, place->descriptors);
   const double scale = std::ldexp(1.0, static_cast<int>(level));
   for (const cv::KeyPoint& keypoint : keypoints) {
     const Eigen::Vector2d px = {(keypoint.pt.x + 0.5) * scale - 0.5,

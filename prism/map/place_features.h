@@ -11,6 +11,9 @@
 
 namespace prism {
 
+// An image of 0 to 255 in 8 bits.
+cv::Mat RoundedImage(const ImageF& image);
+
 // ORB features (E. Rublee et al., ICCV 2011) of the focused image with the depths measured at them,
 // into place->features and place->descriptors.
 void DetectFeatures(const PlenopticProjection& camera, const LightFieldFrame& frame, Place* place);

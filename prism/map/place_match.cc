@@ -72,9 +72,10 @@ PlaceQuery MakePlaceQuery(const PlenopticCamera& camera,
   const PlenopticProjection projection(camera);
   const std::vector<ReferencePoint> points =
       MeasuredPoints(projection, frame, options.query_points, selection);
-  return {frame,
-          MakePlace(projection, -1, frame, points),
-          MakeTrackingReference(camera, frame.image, points)};
+  PlaceQuery query{frame, {}, MakeTrackingReference(camera, frame.image, points)};
+  query.place.median_rho = static_cast<float>(MedianInverseDepth(points));
+  DetectFeatures(projection, frame, &query.place);
+  return query;
 }
 
 std::optional<PlaceMatch> VerifyMatch(const PlenopticCamera& camera,
@@ -97,10 +98,11 @@ std::optional<PlaceMatch> VerifyMatch(const PlenopticCamera& camera,
       AlignFrom(query.reference, known.image, query_from_known.Inverse(), noise, alignment);
   if (back.status != AlignmentStatus::kGood || !options.back.AreMetBy(back.fit))
     return std::nullopt;
+  if (FlowBetween(known.reference, query_from_known, back.state.target_from_reference.Inverse()) >
+      options.max_disagreement * camera.focused_width()) {
+    return std::nullopt;
+  }
   PlaceMatch match;
-  match.disagreement =
-      FlowBetween(known.reference, query_from_known, back.state.target_from_reference.Inverse());
-  if (match.disagreement > options.max_disagreement * camera.focused_width()) return std::nullopt;
   match.keyframe_id = place.keyframe_id;
   match.query_from_known = query_from_known;
   match.information = PoseInformation(known.reference, query.frame.image, there, noise, alignment);

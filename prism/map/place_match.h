@@ -32,8 +32,8 @@ struct PlaceMatchOptions {
 // A frame to be found among places. What is passed must outlive it.
 struct PlaceQuery {
   const LightFieldFrame& frame;
-  Place place;                  // of the frame, with the depths it measures itself
-  TrackingReference reference;  // of the same
+  Place place;                  // its features and median depth; neither image nor points
+  TrackingReference reference;  // with the depths it measures itself
 };
 PlaceQuery MakePlaceQuery(const PlenopticCamera& camera,
                           const LightFieldFrame& frame,
@@ -45,7 +45,6 @@ struct PlaceMatch {
   SE3 query_from_known;
   Matrix6d information = Matrix6d::Zero();  // of it, tangent on its left
   int feature_inliers = 0;
-  double disagreement = 0;  // of the alignments there and back, RMS px
 };
 
 // Whether the query, started at a pose, shows what the place does: it aligns to the place and the

@@ -17,13 +17,6 @@ namespace {
 constexpr int kPyramidLevels = 6;
 constexpr int kJpegQuality = 95;  // errors below the noise of images
 
-cv::Mat Rounded(const ImageF& image) {
-  cv::Mat rounded;
-  cv::Mat(image.height(), image.width(), CV_32FC1, const_cast<float*>(image.data()))
-      .convertTo(rounded, CV_8U);
-  return rounded;
-}
-
 }  // namespace
 
 Place MakePlace(const PlenopticProjection& camera,
@@ -33,7 +26,7 @@ Place MakePlace(const PlenopticProjection& camera,
   Place place;
   place.keyframe_id = keyframe_id;
   CHECK(cv::imencode(
-      ".jpg", Rounded(frame.image[0]), place.image, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}));
+      ".jpg", RoundedImage(frame.image[0]), place.image, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}));
   for (const ReferencePoint& point : points) {
     place.points.push_back({static_cast<float>(point.px.x()),
                             static_cast<float>(point.px.y()),

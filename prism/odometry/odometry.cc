@@ -105,18 +105,6 @@ Odometry::Odometry(const PlenopticCamera& camera, const OdometryOptions& options
   terms_.insert(terms_.end(), options.terms.begin(), options.terms.end());
 }
 
-void Odometry::LoadPlaces(const std::vector<MappedPlace>& places) {
-  CHECK(window_.empty()) << "places are loaded before the first frame";
-  map_.Load(places);
-  next_keyframe_id_ = map_.LastKeyframeId() + 1;
-}
-
-Map Odometry::CompleteMap() const {
-  Map map = map_;
-  for (const auto& keyframe : window_.keyframes) map.AddPlace(MakePlaceOf(window_, *keyframe));
-  return map;
-}
-
 FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   const auto frame = std::make_shared<const LightFieldFrame>(std::move(light_field_frame));
   CHECK(frame->image.at(0).width() == window_.camera.width &&
@@ -174,17 +162,7 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
                                                                          camera_.focused_height(),
                                                                          options_.keyframe));
   if (needs_keyframe) {
-    if (options_.joining.close_loops) {
-      const Matrix6d information = PoseInformation(
-          tracker_.reference(), frame->image, alignment, window_.noise, options_.tracker.alignment);
-      const SE3& target_from_reference = alignment.state.target_from_reference;
-      map_.AddEdge({match.reference->id,
-                    next_keyframe_id_,
-                    target_from_reference,
-                    EdgeInformation(information,
-                                    target_from_reference,
-                                    MedianInverseDepth(tracker_.reference().points))});
-    }
+    if (options_.joining.close_loops) AddStepEdge(*frame, match);
     result.keyframe = MakeKeyframe(frame, result.state, reference.pose(), alignment.points);
     result.is_keyframe = true;
     result.keyframe_id = window_.newest().id;
@@ -200,36 +178,6 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   result.state.set_pose(last_pose_);
   result.active_points = window_.NumPoints();
   return result;
-}
-
-RecoveryResult Odometry::RecoverInWindow(const LightFieldFrame& frame) {
-  Tracker tracker = tracker_;
-  RecoveryResult match = Recover(options_.tracker.fit.recovered, camera_, window_, frame, &tracker);
-  if (match.reference == nullptr) return match;
-  // What repeats looks alike. It is believed near where motion predicts it; elsewhere the frame's
-  // own depths have to find the keyframe as well.
-  const SE3& target_from_reference = match.tracking.alignment.state.target_from_reference;
-  const SE3 target_from_newest = target_from_reference * match.reference->state.pose() *
-                                 window_.newest().state.pose().Inverse();
-  const std::optional<MotionPrediction> motion = tracker_.PredictMotion(frame.time_ns);
-  const bool is_expected =
-      motion && motion->DistanceTo(target_from_newest) <= options_.max_motion_distance;
-  if (!is_expected &&
-      !VerifyMatch(
-          camera_,
-          MakePlaceOf(window_, *match.reference),
-          MakePlaceQuery(camera_, frame, options_.activation.selection, options_.joining.match),
-          target_from_reference,
-          window_.noise,
-          PersistentDepthOffset(window_.newest()),
-          options_.tracker.alignment,
-          options_.joining.match)) {
-    match.reference = nullptr;
-    match.tracking.status = TrackingStatus::kLost;
-    return match;
-  }
-  tracker_ = std::move(tracker);
-  return match;
 }
 
 FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
@@ -259,76 +207,6 @@ FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
   return start.status == FrameStatus::kTracked ? start : result;
 }
 
-std::optional<SE3> Odometry::Recognize(const LightFieldFrame& frame) {
-  if (!options_.joining.join || map_.places().empty()) return std::nullopt;
-  const StageTimer::Scope scope(&timer_, "recognize places");
-  std::vector<const Place*> places;
-  for (const auto& [id, place] : map_.places()) places.push_back(&place);
-  const PlaceQuery query =
-      MakePlaceQuery(camera_, frame, options_.activation.selection, options_.joining.match);
-  std::vector<SegmentPlacement> placements;
-  for (const PlaceMatch& match : FindPlaces(places, query)) {
-    placements.push_back(PlaceSegment(map_, match, SE3()));
-  }
-  SegmentJoiner joiner;
-  JoiningOptions one = options_.joining;
-  one.min_agreeing = 1;
-  const auto placement = joiner.Observe(one, placements, query.reference);
-  return placement ? std::optional(placement->world_from_segment) : std::nullopt;
-}
-
-std::vector<PlaceMatch> Odometry::FindPlaces(const std::vector<const Place*>& places,
-                                             const PlaceQuery& query) const {
-  return FindMatches(camera_,
-                     places,
-                     query,
-                     window_.noise,
-                     PersistentDepthOffset(window_.newest()),
-                     options_.tracker.alignment,
-                     options_.joining.match);
-}
-
-std::optional<JoinedSegment> Odometry::JoinSegment() {
-  const JoiningOptions& options = options_.joining;
-  const Keyframe& keyframe = window_.newest();
-  std::vector<const Place*> places;
-  for (const auto& [id, place] : map_.places()) {
-    const bool is_joined = map_.Piece(map_.SegmentOf(id)) == map_.Piece(segment_);
-    const bool is_old = id + options.min_loop_keyframes <= keyframe.id;
-    if (is_joined ? options.close_loops && is_old : options.join) places.push_back(&place);
-  }
-  if (places.empty()) return std::nullopt;
-  const StageTimer::Scope scope(&timer_, "recognize places");
-  const PlaceQuery query =
-      MakePlaceQuery(camera_, *keyframe.frame, options_.activation.selection, options.match);
-  std::vector<SegmentPlacement> placements;
-  for (const PlaceMatch& match : FindPlaces(places, query)) {
-    const SegmentPlacement placement = PlaceSegment(map_, match, keyframe.state.pose());
-    if (placement.onto_piece != map_.Piece(segment_)) {
-      placements.push_back(placement);
-    } else if (!IsPlausibleLoop(options, map_, match, keyframe.id)) {
-      continue;
-    }
-    map_.AddEdge(
-        {match.keyframe_id,
-         keyframe.id,
-         match.query_from_known,
-         EdgeInformation(match.information, match.query_from_known, query.place.median_rho),
-         true});
-  }
-  const std::optional<SegmentPlacement> placement =
-      joiner_.Observe(options, placements, query.reference);
-  if (!placement) return std::nullopt;
-  const SE3 moved = map_.Join(segment_, placement->onto_piece, placement->world_from_segment);
-  joiner_.Reset();
-  return JoinedSegment{segment_, map_.Piece(segment_), moved};
-}
-
-Place Odometry::MakePlaceOf(const Window& window, const Keyframe& keyframe) const {
-  return MakePlace(
-      window.camera, keyframe.id, *keyframe.frame, MakeReferencePoints(window, keyframe));
-}
-
 FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment) {
   FrameResult result;
   result.time_ns = frame->time_ns;
@@ -353,7 +231,7 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
     map_.AddPoints(ForgetWindow(&before));
     ++segment_;
   }
-  lost_frames_ = unmatched_frames_ = 0;
+  lost_frames_ = unmatched_frames_ = held_frames_ = 0;
   recent_frames_.Clear();
   joiner_.Reset();
   AnchorFirstKeyframe(&window_);
@@ -366,7 +244,6 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
   result.joined = JoinSegment();
   last_pose_ = map_.WorldFromSegment(segment_).Inverse();
   result.segment = segment_;
-  held_frames_ = 0;
   result.status = FrameStatus::kTracked;
   result.is_keyframe = true;
   result.keyframe_id = window_.newest().id;

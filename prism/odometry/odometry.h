@@ -113,6 +113,8 @@ class Odometry {
   std::optional<JoinedSegment> JoinSegment();
   std::vector<PlaceMatch> FindPlaces(const std::vector<const Place*>& places,
                                      const PlaceQuery& query) const;
+  // What the alignment of a frame that becomes a keyframe knows, for Map::CloseLoops.
+  void AddStepEdge(const LightFieldFrame& frame, const RecoveryResult& match);
   Place MakePlaceOf(const Window& window, const Keyframe& keyframe) const;
   void AddKeyframe(FramePtr frame, const FrameState& state);
   KeyframeResult MakeKeyframe(FramePtr frame,
