@@ -23,17 +23,9 @@ DefocusMatch::DefocusMatch(const std::vector<float>& focus, float defocus_varian
     if (variance[type] - least <= kFilterVariance) most = std::max(most, variance[type]);
   }
   for (int type = 0; type < types; ++type) {
-    blend_[type] = variance[type] > most ? -1 : (most - variance[type]) / kFilterVariance;
+    blend_[type] = (most - variance[type]) / kFilterVariance;
+    if (variance[type] <= most) types_ |= 1u << type;
   }
-}
-
-int SelectViews(
-    const LensTable& lenses, const DefocusMatch& match, int max_count, int count, LensView* views) {
-  int selected = 0;
-  for (int k = 0; k < count && selected < max_count; ++k) {
-    if (match.Uses(lenses.lenses()[views[k].lens].type)) views[selected++] = views[k];
-  }
-  return selected;
 }
 
 }  // namespace prism

@@ -20,21 +20,18 @@ class DefocusMatch {
   // `focus`: 1/v_k of up to three types; `defocus_variance`: R^2 / 4 (LensTable::DefocusVariance).
   DefocusMatch(const std::vector<float>& focus, float defocus_variance, float w);
 
-  bool Uses(int type) const { return blend_[type] >= 0; }
+  bool Uses(int type) const { return (types_ >> type & 1u) != 0; }
+  unsigned types() const { return types_; }  // bit k: type k is used
   // How far, 0 to 1, a used type is blended from PreparedRaw::smooth to PreparedRaw::smoother.
   float Blend(int type) const { return blend_[type]; }
 
  private:
   static constexpr int kMaxTypes = 3;
+  unsigned types_ = 0;
   float blend_[kMaxTypes];
 };
 
 // Lenses that are compared when a depth is refined.
 inline constexpr int kMaxComparedViews = 10;
-
-// Moves those of `count` views (LensTable::ViewsOf) that are compared to the front, in their order:
-// of at most `max_count` lenses of types that `match` uses. Returns their number.
-int SelectViews(
-    const LensTable& lenses, const DefocusMatch& match, int max_count, int count, LensView* views);
 
 }  // namespace prism

@@ -5,27 +5,24 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
 
 #include "prism/lightfield/defocus_match.h"
 #include "prism/lightfield/depth_fusion.h"
-#include "prism/lightfield/patch_kernel.h"
+#include "prism/lightfield/depth_sweep.h"
+#include "prism/lightfield/patch_samples.h"
 
 namespace prism {
 
 namespace {
 
-constexpr int kBlock = 8;               // raw px a side of a texture block
-constexpr float kSmoothNoise = 0.375f;  // noise of PreparedRaw::smooth over that of gray
 // Variance of one gradient component of the interpolated smooth image over that of gray's noise.
 constexpr float kGradientNoise = 0.115f;
-constexpr float kMargin = kPatchRadius + 8;  // px: the kernel reads kPatchLanes + 1 pixels a row
-constexpr int kMaxHypotheses = 64;
 constexpr float kLastStep = 0.003f;  // of 1/v: a Gauss-Newton step this small is the last
 constexpr float kMaskReach = 0.01f;  // of 1/v: a quarter of a pixel between neighbouring lenses
-constexpr int kMaxSearched = 5;      // lenses in the search, nearest to the chief ray first
 
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
 
@@ -58,30 +55,6 @@ float NoiseGradient(const PreparedRaw& raw, const LensView* views, int count, fl
   return 0.5f * smooth_noise * smooth_noise * sum * (1 - 1 / static_cast<float>(count));
 }
 
-// Points the samples at the patches around the views.
-void PlaceSamples(const PreparedRaw& raw,
-                  const LensTable& lenses,
-                  const DefocusMatch& match,
-                  const LensView* views,
-                  int count,
-                  PatchSample* samples) {
-  for (int k = 0; k < count; ++k) {
-    const LensView& view = views[k];
-    const Lens& lens = lenses.lenses()[view.lens];
-    const float x = view.x - kPatchRadius;
-    const float y = view.y - kPatchRadius;
-    const float blend = match.Blend(lens.type);
-    const ImageF& colours = blend > 0 ? raw.lens_colour_smoother : raw.lens_colour;
-    samples[k] = {raw.smooth.At(x, y),
-                  blend > 0 ? raw.smoother.At(x, y) : HalfPixelImage::Cell{},
-                  blend,
-                  colours.row(static_cast<int>(y)) + static_cast<int>(x),
-                  view.dx,
-                  view.dy,
-                  static_cast<float>(lens.colour + 1)};
-  }
-}
-
 }  // namespace
 
 bool DepthOptions::IsValid(std::string* error) const {
@@ -89,11 +62,11 @@ bool DepthOptions::IsValid(std::string* error) const {
         max_inverse_virtual_depth <= 0.5)) {
     *error = "search range of 1/v from " + std::to_string(min_inverse_virtual_depth) + " to " +
              std::to_string(max_inverse_virtual_depth) + ", expected 0 < min < max <= 0.5";
-  } else if (!(search_step * (kMaxHypotheses - 1) >=
+  } else if (!(search_step * (SweepRange::kMaxHypotheses - 1) >=
                max_inverse_virtual_depth - min_inverse_virtual_depth)) {
     *error = "search_step of " + std::to_string(search_step) + ", expected at most 63 steps";
-  } else if (!(seed_spacing >= 1 && seed_spacing <= 8)) {
-    *error = "seed_spacing of " + std::to_string(seed_spacing) + ", expected 1 to 8";
+  } else if (!(seed_spacing >= 1 && seed_spacing <= 20)) {
+    *error = "seed_spacing of " + std::to_string(seed_spacing) + ", expected 1 to 20";
   } else if (!(min_gradient >= 0 && max_sigma > 0 && ambiguity >= 1 && max_residual > 0 &&
                sigma_floor >= 0 && noise_factor > 0 && misfit_factor >= 0)) {
     *error =
@@ -113,70 +86,32 @@ DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
       scale_(camera.focused_scale),
       lenses_(lenses),
       options_(options),
-      block_width_((camera.raw_width + kBlock - 1) / kBlock),
       seed_width_((width_ + options.seed_spacing - 1) / options.seed_spacing),
       seed_height_((height_ + options.seed_spacing - 1) / options.seed_spacing) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
-  textured_.resize(static_cast<size_t>(block_width_) * ((camera.raw_height + kBlock - 1) / kBlock));
   seeds_.resize(static_cast<size_t>(seed_width_) * seed_height_);
-  raw_depth_ = ImageF(width_, height_);
-  raw_sigma_ = ImageF(width_, height_);
+  for (ImageF* nodes : {&node_depth_, &node_sigma_, &fused_depth_, &fused_sigma_}) {
+    *nodes = ImageF(NodesAlong(width_), NodesAlong(height_));
+  }
 }
 
-void DepthEstimator::MeasureTexture(const PreparedRaw& raw) {
-  // gray - smooth of white noise has 0.8 of its standard deviation; the median absolute value of a
-  // Gaussian is 0.6745 of it.
-  std::array<int, 1024> histogram{};
-  int total = 0;
-  const ImageF& smooth = raw.smooth.phase[0][0];
-  const int height = raw.gray.height();
-  const int width = raw.gray.width();
-  for (int y = 1; y < height - 1; y += 5) {
-    for (int x = 1; x < width - 1; ++x) {
-      if (raw.lens_colour(x, y) == 0) continue;
-      const float difference = std::abs(raw.gray(x, y) - smooth(x, y));
-      if (difference == 0) continue;  // not filtered
-      ++histogram[std::min(static_cast<int>(difference * 32), 1023)];
-      ++total;
-    }
-  }
-  int bin = 0;
-  for (int seen = histogram[0]; bin < 1023 && 2 * seen < total; seen += histogram[++bin]) {
-  }
-  const double noise = raw.mosaic_noise > 0 ? raw.mosaic_noise : (bin + 0.5) / 32 / (0.8 * 0.6745);
-  noise_ = std::max(noise, 0.3);
-
-  const float threshold = static_cast<float>(options_.min_gradient * noise_ * kSmoothNoise);
-  const float threshold_squared = threshold * threshold;
-  const int block_height = static_cast<int>(textured_.size()) / block_width_;
-  tbb::parallel_for(0, block_height, [&](int by) {
-    for (int bx = 0; bx < block_width_; ++bx) {
-      int count = 0;
-      for (int y = by * kBlock; y < std::min((by + 1) * kBlock, height - 1); ++y) {
-        const float* row = smooth.row(y);
-        const float* below = smooth.row(y + 1);
-        const float* colour = raw.lens_colour.row(y);
-        for (int x = bx * kBlock; x < std::min((bx + 1) * kBlock, width - 1); ++x) {
-          const float dx = row[x + 1] - row[x];
-          const float dy = below[x] - row[x];
-          count += colour[x] != 0 && dx * dx + dy * dy > threshold_squared;
-        }
-      }
-      textured_[static_cast<size_t>(by) * block_width_ + bx] =
-          static_cast<uint8_t>(std::min(count, 255));
-    }
-  });
-}
-
-DepthEstimator::Estimated DepthEstimator::Refine(
-    const PreparedRaw& raw, float X, float Y, float w, int iterations) const {
+DepthEstimator::Estimated DepthEstimator::Refine(const PreparedRaw& raw,
+                                                 const Eigen::Vector2f& raw_px,
+                                                 float w,
+                                                 int iterations) const {
   LensView views[LensTable::kMaxViews];
   Samples samples;
-  const float noise = static_cast<float>(noise_) * kSmoothNoise;
+  const float noise = static_cast<float>(texture_.noise()) * kSmoothNoise;
   const DefocusMatch match(lenses_.focus_of_type(), lenses_.DefocusVariance(), w);
-  const int seen = lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 1, kMargin, views);
-  const int count = SelectViews(lenses_, match, kMaxComparedViews, seen, views);
+  const int count = lenses_.ViewsOf(raw_px.x(),
+                                    raw_px.y(),
+                                    w,
+                                    lenses_.radius_px() - 1,
+                                    kPatchMargin,
+                                    match.types(),
+                                    kMaxComparedViews,
+                                    views);
   if (count < 2) return {};
   const float start = w;
   const float max_step = static_cast<float>(options_.search_step);
@@ -204,14 +139,14 @@ DepthEstimator::Estimated DepthEstimator::Refine(
     for (int k = 0; k < count; ++k) {
       views[k].x += step * views[k].dx;
       views[k].y += step * views[k].dy;
-      if (!raw.gray.view().Contains(views[k].x, views[k].y, kMargin)) return {};
+      if (!raw.gray.view().Contains(views[k].x, views[k].y, kPatchMargin)) return {};
     }
   }
   if (!(w >= options_.min_inverse_virtual_depth && w <= options_.max_inverse_virtual_depth) ||
       sums.freedom < 4) {
     return {};
   }
-  const float gray_noise = static_cast<float>(noise_);
+  const float gray_noise = static_cast<float>(texture_.noise());
   const float baseline_squared = BaselineSquared(samples, count);
   const float noise_hessian = NoiseHessian(baseline_squared, count, sums, gray_noise);
   const float hessian = sums.hessian - noise_hessian;
@@ -249,63 +184,49 @@ void DepthEstimator::AcceptSeeds() {
   }
 }
 
-DepthEstimator::Estimated DepthEstimator::Search(const PreparedRaw& raw, float X, float Y) const {
-  LensView views[LensTable::kMaxViews];
-  Samples samples;
-  const float min_w = static_cast<float>(options_.min_inverse_virtual_depth);
-  const float step = static_cast<float>(options_.search_step);
-  const int count_w =
-      1 + static_cast<int>(std::floor((options_.max_inverse_virtual_depth - min_w) / step));
-  const float middle = 0.3f;
-  if (lenses_.ViewsOf(X, Y, middle, lenses_.radius_px(), kMargin, views) == 0) return {};
-  const int bx = static_cast<int>(views[0].x) / kBlock;
-  const int by = static_cast<int>(views[0].y) / kBlock;
-  int texture = 0;
-  for (int y = std::max(by - 1, 0); y <= by + 1; ++y) {
-    for (int x = std::max(bx - 1, 0); x <= std::min(bx + 1, block_width_ - 1); ++x) {
-      const size_t block = static_cast<size_t>(y) * block_width_ + x;
-      if (block < textured_.size()) texture += textured_[block];
+Eigen::Vector2f DepthEstimator::RawPosition(float x, float y) const {
+  const float scale = static_cast<float>(scale_);
+  return {(x + 0.5f) * scale - 0.5f, (y + 0.5f) * scale - 0.5f};
+}
+
+int DepthEstimator::TextureAt(const Eigen::Vector2f& raw_px) const {
+  constexpr float kMiddle = 0.3f;  // of the range of 1/v
+  LensView view;
+  const int count = lenses_.ViewsOf(raw_px.x(),
+                                    raw_px.y(),
+                                    kMiddle,
+                                    lenses_.radius_px(),
+                                    kPatchMargin,
+                                    LensTable::kAllTypes,
+                                    1,
+                                    &view);
+  return count == 0 ? 0 : texture_.CountAround(view.x, view.y);
+}
+
+DepthEstimator::Estimated DepthEstimator::SearchCell(const PreparedRaw& raw, int i, int j) const {
+  constexpr int kMinTexture = 8;  // px
+  const float spacing = static_cast<float>(options_.seed_spacing);
+  int most = kMinTexture - 1;
+  Eigen::Vector2f seed;
+  for (const float v : {0.25f, 0.75f}) {
+    for (const float u : {0.25f, 0.75f}) {
+      const Eigen::Vector2f raw_px = RawPosition((static_cast<float>(i) + u) * spacing - 0.5f,
+                                                 (static_cast<float>(j) + v) * spacing - 0.5f);
+      const int texture = TextureAt(raw_px);
+      if (texture <= most) continue;
+      most = texture;
+      seed = raw_px;
     }
   }
-  if (texture < 8) return {};
-
-  const float noise = static_cast<float>(noise_) * kSmoothNoise;
-  std::array<float, kMaxHypotheses> cost;
-  std::array<float, kMaxHypotheses> freedom;
-  int best = -1;
-  for (int h = 0; h < count_w; ++h) {
-    const float w = min_w + step * static_cast<float>(h);
-    cost[h] = 1e30f;
-    const DefocusMatch match(lenses_.focus_of_type(), lenses_.DefocusVariance(), w);
-    const int seen = lenses_.ViewsOf(X, Y, w, lenses_.radius_px() - 2, kMargin, views);
-    const int count = SelectViews(lenses_, match, kMaxSearched, seen, views);
-    if (count < 2) continue;
-    PlaceSamples(raw, lenses_, match, views, count, samples.data());
-    const PatchSums sums = SumPatchCosts(samples.data(), count, raw.gray.width());
-    if (sums.freedom < 4) continue;
-    cost[h] = sums.cost / sums.freedom;
-    freedom[h] = sums.freedom;
-    if (best < 0 || cost[h] < cost[best]) best = h;
-  }
-  // Fewer lenses see a point the larger its 1/v: a minimum must be bracketed, or the best one may
-  // lie where there is nothing to compare.
-  if (best <= 0 || best + 1 >= count_w || cost[best - 1] > 1e29f || cost[best + 1] > 1e29f) {
-    return {};
-  }
-  // A second minimum nearly as low, away from the first, makes the match ambiguous.
-  const float scale = std::max(cost[best], noise * noise);
-  const float ambiguity = static_cast<float>(options_.ambiguity);
-  for (int h = 0; h < count_w; ++h) {
-    if (std::abs(h - best) <= 2 || cost[h] > 1e29f) continue;
-    if (freedom[h] * (cost[h] - cost[best]) < ambiguity * scale) return {};
-  }
-  // From the vertex of the parabola through the three costs: started from a grid value, what is
-  // refined would depend on which one was near.
-  const float below = cost[best - 1] - cost[best];
-  const float above = cost[best + 1] - cost[best];
-  const float vertex = static_cast<float>(best) +
-                       (below + above > 0 ? 0.5f * (below - above) / (below + above) : 0.0f);
-  return Refine(raw, X, Y, min_w + step * vertex, 6);
+  if (most < kMinTexture) return {};
+  const SweepRange range{static_cast<float>(options_.min_inverse_virtual_depth),
+                         static_cast<float>(options_.max_inverse_virtual_depth),
+                         static_cast<float>(options_.search_step),
+                         static_cast<float>(options_.ambiguity)};
+  const float noise = static_cast<float>(texture_.noise()) * kSmoothNoise;
+  const std::optional<float> w =
+      SweepInverseVirtualDepth(raw, lenses_, range, noise, seed.x(), seed.y());
+  return w ? Refine(raw, seed, *w, 6) : Estimated();
 }
 
 DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw,
@@ -314,8 +235,7 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
   const int spacing = options_.seed_spacing;
   const int sx = x / spacing;
   const int sy = y / spacing;
-  const float X = (static_cast<float>(x) + 0.5f) * static_cast<float>(scale_) - 0.5f;
-  const float Y = (static_cast<float>(y) + 0.5f) * static_cast<float>(scale_) - 0.5f;
+  const Eigen::Vector2f raw_px = RawPosition(static_cast<float>(x), static_cast<float>(y));
   // The seeds that agree with the most certain one around, and the most certain that disagrees.
   const Estimated* first = nullptr;
   const Estimated* second = nullptr;
@@ -339,9 +259,9 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
     if (!first) return {};
   }
   // The mean of several depends less on the noise of this patch, which is that of its nearest seed.
-  Estimated result = Refine(raw, X, Y, sum / static_cast<float>(agree), 3);
+  Estimated result = Refine(raw, raw_px, sum / static_cast<float>(agree), 3);
   if (second) {
-    const Estimated other = Refine(raw, X, Y, second->w, 3);
+    const Estimated other = Refine(raw, raw_px, second->w, 3);
     if (other.w > 0 && (result.w == 0 || other.residual < result.residual)) result = other;
   }
   return result.w > 0 && Accept(&result) ? result : Estimated();
@@ -350,27 +270,22 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
 void DepthEstimator::Estimate(const PreparedRaw& raw,
                               ImageF* inverse_virtual_depth,
                               ImageF* sigma) {
-  MeasureTexture(raw);
-  const int spacing = options_.seed_spacing;
+  texture_.Measure(raw, options_.min_gradient);
   tbb::parallel_for(0, seed_height_, [&](int j) {
     for (int i = 0; i < seed_width_; ++i) {
-      const float x = static_cast<float>(i * spacing + spacing / 2);
-      const float y = static_cast<float>(j * spacing + spacing / 2);
-      const float scale = static_cast<float>(scale_);
-      seeds_[static_cast<size_t>(j) * seed_width_ + i] =
-          Search(raw, (x + 0.5f) * scale - 0.5f, (y + 0.5f) * scale - 0.5f);
+      seeds_[static_cast<size_t>(j) * seed_width_ + i] = SearchCell(raw, i, j);
     }
   });
   AcceptSeeds();
-  tbb::parallel_for(0, height_, [&](int y) {
-    for (int x = y % 2; x < width_; x += 2) {
-      const Estimated estimated = RefineFromSeeds(raw, x, y);
-      raw_depth_(x, y) = estimated.w;
-      raw_sigma_(x, y) = estimated.sigma;
+  tbb::parallel_for(0, node_depth_.height(), [&](int j) {
+    for (int i = 0; i < node_depth_.width(); ++i) {
+      const Estimated estimated = RefineFromSeeds(raw, NodePixel(i), NodePixel(j));
+      node_depth_(i, j) = estimated.w;
+      node_sigma_(i, j) = estimated.sigma;
     }
   });
-  FillBetween(&raw_depth_, &raw_sigma_);
-  FuseNeighbours(raw_depth_, raw_sigma_, inverse_virtual_depth, sigma);
+  FuseNeighbours(node_depth_, node_sigma_, &fused_depth_, &fused_sigma_);
+  SpreadNodes(fused_depth_, fused_sigma_, inverse_virtual_depth, sigma);
 }
 
 }  // namespace prism

@@ -2,15 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/image/image.h"
 #include "prism/lightfield/lens_table.h"
 #include "prism/lightfield/match_misfit.h"
 #include "prism/lightfield/preparation.h"
+#include "prism/lightfield/raw_texture.h"
 
 namespace prism {
 
@@ -18,11 +20,11 @@ struct DepthOptions {
   double min_inverse_virtual_depth = 0.10;  // 1/v searched from
   double max_inverse_virtual_depth = 0.48;  // to; at most 0.5
   double search_step = 0.02;                // in 1/v; half a pixel between neighbouring lenses
-  int seed_spacing = 7;                     // focused px between the points searched in full
-  double min_gradient = 3;                  // in raw noise; weaker pixels are not searched
-  double max_sigma = 0.02;                  // of 1/v; less certain estimates are dropped
-  double ambiguity = 35;                    // chi square between best and any other match, at least
-  double min_information = 3;               // of the gradients over what noise alone pretends
+  int seed_spacing = 10;        // focused px a side of a cell with one point searched in full
+  double min_gradient = 3;      // in raw noise; weaker pixels are not searched
+  double max_sigma = 0.02;      // of 1/v; less certain estimates are dropped
+  double ambiguity = 35;        // chi square between best and any other match, at least
+  double min_information = 3;   // of the gradients over what noise alone pretends
   double max_residual = 2.3;    // RMS over what MatchMisfit expects; occlusions exceed it
   double sigma_floor = 0.0015;  // of 1/v, model errors
   double noise_factor = 1.1;    // on sigma: correlated noise, slant within a patch
@@ -44,16 +46,16 @@ struct DepthOptions {
 // left out, the others are blurred to the same variance before they are compared: sharp against
 // blurred images match best beside the truth.
 //
-// 1. Seeds: at every seed_spacing-th pixel with texture, w is swept over its range and the minimum
-//    of the mean squared difference refined by Gauss-Newton. Flat or double minima are dropped.
-//    From what is left over at all of them follows how well lenses can match in this frame
-//    (FitMisfit); seeds and all later estimates that match much worse are dropped.
-// 2. Every second pixel near seeds (those of one colour of a chessboard) starts from the mean of
-//    those that agree and is refined with lenses and mask held fixed; the others are the mean of
-//    what agrees beside them.
-// 3. Estimates that a third of their neighbours contradict are dropped; the others become the mean
-//    of the neighbours that agree, weighted by information. Neighbours share raw pixels, so sigma
-//    is the mean of theirs, as if their errors were the same.
+// 1. Seeds: in every cell of seed_spacing focused px, where it has most texture, w is swept over
+// its
+//    range (SweepInverseVirtualDepth) and the minimum refined by Gauss-Newton. Flat or double
+//    minima are dropped. From what is left over at all of them follows how well lenses can match in
+//    this frame (FitMisfit); seeds and all later estimates that match much worse are dropped.
+// 2. Nodes, every third pixel (depth_fusion.h), near seeds start from the mean of those that agree
+//    and are refined with lenses and mask held fixed.
+// 3. Nodes that a third of their neighbours contradict are dropped; the others become the mean of
+//    the neighbours that agree, and the pixels between them are interpolated. Neighbours share raw
+//    pixels, so sigma is the mean of theirs, as if their errors were the same.
 //
 // sigma^2 = noise_factor^2 s^2 / hessian + misfit_factor^2 share^2 / sum(d^2) + sigma_floor^2 with
 // s^2 the larger of the image noise and the mean squared residual, d the baselines of the lenses
@@ -70,7 +72,7 @@ class DepthEstimator {
   void Estimate(const PreparedRaw& raw, ImageF* inverse_virtual_depth, ImageF* sigma);
 
   // Standard deviation of the noise of PreparedRaw::gray found in the last frame, 0 to 255.
-  double noise() const { return noise_; }
+  double noise() const { return texture_.noise(); }
   // How lenses matched in the last frame.
   const MatchMisfit& misfit() const { return misfit_; }
 
@@ -84,24 +86,28 @@ class DepthEstimator {
     float baseline_squared = 0;  // sum over the lenses, along the gradient, px^2
   };
 
-  void MeasureTexture(const PreparedRaw& raw);
   // Whether a match is as good as the frame's misfit allows, and certain enough; sets its sigma.
   bool Accept(Estimated* estimated) const;
   void AcceptSeeds();
-  Estimated Search(const PreparedRaw& raw, float X, float Y) const;
-  Estimated Refine(const PreparedRaw& raw, float X, float Y, float w, int iterations) const;
+  // Undistorted raw px of a position on the focused grid.
+  Eigen::Vector2f RawPosition(float x, float y) const;
+  int TextureAt(const Eigen::Vector2f& raw_px) const;
+  Estimated SearchCell(const PreparedRaw& raw, int i, int j) const;
+  Estimated Refine(const PreparedRaw& raw,
+                   const Eigen::Vector2f& raw_px,
+                   float w,
+                   int iterations) const;
   Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
 
   int width_, height_, scale_;
   const LensTable& lenses_;
   DepthOptions options_;
-  double noise_ = 1;
+  RawTexture texture_;
   MatchMisfit misfit_;
-  int block_width_ = 0;
-  std::vector<uint8_t> textured_;  // per block of raw pixels
-  std::vector<Estimated> seeds_;
+  std::vector<Estimated> seeds_;  // one a cell
   int seed_width_ = 0, seed_height_ = 0;
-  ImageF raw_depth_, raw_sigma_;  // before step 3
+  ImageF node_depth_, node_sigma_;    // before step 3
+  ImageF fused_depth_, fused_sigma_;  // after it
 };
 
 }  // namespace prism

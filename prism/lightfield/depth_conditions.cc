@@ -170,13 +170,15 @@ std::vector<LensView> ComparedViews(const LensTable& lenses,
                                     const Eigen::Vector2d& raw_px,
                                     double w) {
   LensView views[LensTable::kMaxViews];
-  const int seen = lenses.ViewsOf(static_cast<float>(raw_px.x()),
-                                  static_cast<float>(raw_px.y()),
-                                  static_cast<float>(w),
-                                  lenses.radius_px() - 1,
-                                  kMargin,
-                                  views);
-  return {views, views + SelectViews(lenses, match, kMaxComparedViews, seen, views)};
+  const int count = lenses.ViewsOf(static_cast<float>(raw_px.x()),
+                                   static_cast<float>(raw_px.y()),
+                                   static_cast<float>(w),
+                                   lenses.radius_px() - 1,
+                                   kMargin,
+                                   match.types(),
+                                   kMaxComparedViews,
+                                   views);
+  return {views, views + count};
 }
 
 void MeasureViews(const LightFieldProcessor& processor,

@@ -14,47 +14,27 @@ bool Agree(float w, float sigma, float other_w, float other_sigma) {
   return std::abs(w - other_w) < 2 * (sigma + other_sigma);
 }
 
-}  // namespace
+// The pixel between two nodes along one axis: the first of them and the share of the second.
+struct Between {
+  int node;
+  float share;
+};
 
-void FillBetween(ImageF* depth, ImageF* sigmas) {
-  tbb::parallel_for(0, depth->height(), [&](int y) {
-    for (int x = (y + 1) % 2; x < depth->width(); x += 2) {
-      (*depth)(x, y) = 0;
-      (*sigmas)(x, y) = 0;
-      if (x == 0 || y == 0 || x + 1 == depth->width() || y + 1 == depth->height()) continue;
-      const float w[4] = {
-          (*depth)(x - 1, y), (*depth)(x + 1, y), (*depth)(x, y - 1), (*depth)(x, y + 1)};
-      const float sigma[4] = {
-          (*sigmas)(x - 1, y), (*sigmas)(x + 1, y), (*sigmas)(x, y - 1), (*sigmas)(x, y + 1)};
-      int best = -1;
-      for (int k = 0; k < 4; ++k) {
-        if (w[k] > 0 && (best < 0 || sigma[k] < sigma[best])) best = k;
-      }
-      if (best < 0) continue;
-      int count = 0;
-      float sum = 0;
-      float variance = 0;
-      for (int k = 0; k < 4; ++k) {
-        if (w[k] == 0 || !Agree(w[k], sigma[k], w[best], sigma[best])) continue;
-        ++count;
-        sum += w[k];
-        variance += sigma[k] * sigma[k];
-      }
-      if (count < 2) continue;
-      (*depth)(x, y) = sum / static_cast<float>(count);
-      (*sigmas)(x, y) = std::sqrt(variance / static_cast<float>(count));
-    }
-  });
+Between BetweenNodes(int pixel) {
+  const int node = (pixel + kNodeSpacing - kNodeSpacing / 2) / kNodeSpacing - 1;
+  return {node, static_cast<float>(pixel - NodePixel(node)) / kNodeSpacing};
 }
 
-void FuseNeighbours(const ImageF& depth,
-                    const ImageF& sigmas,
+}  // namespace
+
+void FuseNeighbours(const ImageF& nodes,
+                    const ImageF& node_sigmas,
                     ImageF* fused,
                     ImageF* fused_sigmas) {
-  constexpr int kReach = 3;
-  tbb::parallel_for(0, depth.height(), [&](int y) {
-    for (int x = 0; x < depth.width(); ++x) {
-      const float w = depth(x, y);
+  constexpr float kSpacingSquared = kNodeSpacing * kNodeSpacing;
+  tbb::parallel_for(0, nodes.height(), [&](int y) {
+    for (int x = 0; x < nodes.width(); ++x) {
+      const float w = nodes(x, y);
       (*fused)(x, y) = 0;
       (*fused_sigmas)(x, y) = 0;
       if (w == 0) continue;
@@ -63,26 +43,59 @@ void FuseNeighbours(const ImageF& depth,
       float sum = 0;
       float sigma_sum = 0;
       float weight = 0;
-      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, depth.height() - 1); ++v) {
-        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, depth.width() - 1); ++u) {
-          const float other = depth(u, v);
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, nodes.height() - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, nodes.width() - 1); ++u) {
+          const float other = nodes(u, v);
           if (other == 0) continue;
-          const float sigma_other = sigmas(u, v);
-          if (Agree(other, sigma_other, w, sigmas(x, y))) {
-            ++agree;
-            const float far = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
-            const float information = 1 / (sigma_other * sigma_other * (1 + 0.25f * far));
-            sum += information * other;
-            sigma_sum += information * sigma_other;
-            weight += information;
-          } else {
+          const float sigma = node_sigmas(u, v);
+          if (!Agree(other, sigma, w, node_sigmas(x, y))) {
             ++disagree;
+            continue;
           }
+          ++agree;
+          const float far = kSpacingSquared * static_cast<float>(std::abs(u - x) + std::abs(v - y));
+          const float information = 1 / (sigma * sigma * (1 + 0.25f * far));
+          sum += information * other;
+          sigma_sum += information * sigma;
+          weight += information;
         }
       }
-      if (agree < 8 || 2 * disagree > agree) continue;
+      if (agree < 2 || 2 * disagree > agree) continue;
       (*fused)(x, y) = sum / weight;
       (*fused_sigmas)(x, y) = sigma_sum / weight;
+    }
+  });
+}
+
+void SpreadNodes(const ImageF& nodes, const ImageF& node_sigmas, ImageF* depth, ImageF* sigmas) {
+  constexpr float kLeastShare = 0.4f;  // that of the node beside a pixel in x and in y is 4/9
+  tbb::parallel_for(0, depth->height(), [&](int y) {
+    const Between v = BetweenNodes(y);
+    for (int x = 0; x < depth->width(); ++x) {
+      const Between u = BetweenNodes(x);
+      float w[4], sigma[4], share[4];
+      int count = 0, best = 0;
+      for (int k = 0; k < 4; ++k) {
+        const int i = u.node + k % 2;
+        const int j = v.node + k / 2;
+        if (!nodes.view().Contains(i, j, 0) || nodes(i, j) == 0) continue;
+        share[count] = (k % 2 == 0 ? 1 - u.share : u.share) * (k / 2 == 0 ? 1 - v.share : v.share);
+        if (share[count] == 0) continue;
+        w[count] = nodes(i, j);
+        sigma[count] = node_sigmas(i, j);
+        if (sigma[count] < sigma[best]) best = count;
+        ++count;
+      }
+      float sum = 0, variance = 0, total = 0;
+      for (int k = 0; k < count; ++k) {
+        if (!Agree(w[k], sigma[k], w[best], sigma[best])) continue;
+        sum += share[k] * w[k];
+        variance += share[k] * sigma[k] * sigma[k];
+        total += share[k];
+      }
+      const bool is_known = total >= kLeastShare;
+      (*depth)(x, y) = is_known ? sum / total : 0;
+      (*sigmas)(x, y) = is_known ? std::sqrt(variance / total) : 0;
     }
   });
 }

@@ -6,17 +6,26 @@
 
 namespace prism {
 
-// What neighbouring estimates of inverse virtual depth make of each other, the last steps of
-// DepthEstimator. Images of 1/v and of its standard deviation, 0 = no estimate. Two agree within
-// twice the sum of their standard deviations. Deterministic, independent of threads.
+// The last steps of DepthEstimator. It estimates 1/v at nodes, every third pixel in x and in y:
+// neighbours nearer than that look at almost the same raw pixels. Images of 1/v and of its standard
+// deviation, 0 = no estimate. Two estimates agree within twice the sum of their standard
+// deviations. Deterministic, independent of threads.
 
-// Estimates at every second pixel, those with x + y even: the others become the mean of those of
-// their four neighbours that agree with the most certain one, if there are two.
-void FillBetween(ImageF* depth, ImageF* sigmas);
+inline constexpr int kNodeSpacing = 3;  // px
+// Nodes along `size` pixels, and the pixel of one of them.
+inline int NodesAlong(int size) { return (size + 1) / kNodeSpacing; }
+inline int NodePixel(int node) { return kNodeSpacing * node + kNodeSpacing / 2; }
 
-// The mean of the agreeing estimates within 3 px, weighted by information and nearness; its sigma
-// is the mean of theirs, as if their errors were the same. Nothing where fewer than 8 agree or a
+// The mean of a node and those around it that agree, weighted by information and nearness; its
+// sigma is the mean of theirs, as if their errors were the same. Nothing where no other agrees or a
 // third contradict. `fused` and `fused_sigmas` have the size of the others.
-void FuseNeighbours(const ImageF& depth, const ImageF& sigmas, ImageF* fused, ImageF* fused_sigmas);
+void FuseNeighbours(const ImageF& nodes,
+                    const ImageF& node_sigmas,
+                    ImageF* fused,
+                    ImageF* fused_sigmas);
+
+// Pixels between nodes: interpolated between those that agree with the most certain one of the four
+// around, if they have most of the weight.
+void SpreadNodes(const ImageF& nodes, const ImageF& node_sigmas, ImageF* depth, ImageF* sigmas);
 
 }  // namespace prism

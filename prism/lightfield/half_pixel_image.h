@@ -24,6 +24,13 @@ struct HalfPixelImage {
   };
   // Precondition: x and y are at least 0 and a pixel inside the right and lower edges.
   Cell At(float x, float y) const;
+  // The value at the half pixel nearest to such a position; the values a pixel to the right follow.
+  const float* Nearest(float x, float y) const {
+    const int column = static_cast<int>(kStepsPerPixel * x + 0.5f);
+    const int row = static_cast<int>(kStepsPerPixel * y + 0.5f);
+    return phase[row % kStepsPerPixel][column % kStepsPerPixel].row(row / kStepsPerPixel) +
+           column / kStepsPerPixel;
+  }
 };
 
 // The filters (1 2 1) / 4 at whole and (1 7 7 1) / 16 at half pixels, in x and in y, which have the

@@ -214,18 +214,25 @@ int LensTable::LensesAround(float X0,
   return count;
 }
 
-int LensTable::ViewsOf(
-    float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const {
+int LensTable::ViewsOf(float X,
+                       float Y,
+                       float w,
+                       float max_radius_px,
+                       float margin_px,
+                       unsigned types,
+                       int max_count,
+                       LensView* views) const {
   const float reach = Reach(w, max_radius_px) + cell_radius_px();
   const float m = Magnification(w);
   const float max_squared = max_radius_px * max_radius_px;
   int count = 0;
   int i, j;
   for (const Offset& offset : OffsetsAround(ChiefRay(X, Y, w), &i, &j)) {
-    if (offset.length_px > reach || count == kMaxViews) break;
+    if (offset.length_px > reach || count == max_count) break;
     const int index = IndexOf(i + offset.di, j + offset.dj);
     if (index < 0) continue;
     const Lens& lens = lenses_[index];
+    if ((types >> lens.type & 1u) == 0) continue;
     const float ex = X - lens.lens_x;
     const float ey = Y - lens.lens_y;
     const float mx = ex * m + lens.lens_x - lens.center_x;

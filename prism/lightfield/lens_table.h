@@ -43,6 +43,7 @@ struct LensView {
 class LensTable {
  public:
   static constexpr int kMaxViews = 24;
+  static constexpr unsigned kAllTypes = ~0u;
 
   // Precondition: the camera is valid and has a grid.
   explicit LensTable(const PlenopticCamera& camera);
@@ -94,9 +95,19 @@ class LensTable {
 
   // The lenses that see the virtual point (X, Y, 1/v = w) within `max_radius_px` of their
   // micro-image centres and `margin_px` inside the image, from the chief ray outwards, at most
-  // kMaxViews. Returns their number.
+  // `max_count` <= kMaxViews of those whose type's bit is set in `types`. Returns their number.
+  int ViewsOf(float X,
+              float Y,
+              float w,
+              float max_radius_px,
+              float margin_px,
+              unsigned types,
+              int max_count,
+              LensView* views) const;
   int ViewsOf(
-      float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const;
+      float X, float Y, float w, float max_radius_px, float margin_px, LensView* views) const {
+    return ViewsOf(X, Y, w, max_radius_px, margin_px, kAllTypes, kMaxViews, views);
+  }
 
  private:
   struct Offset {

@@ -14,6 +14,9 @@ namespace prism {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Weight of all rows over that of every second.
+constexpr float kCoarseRowsShare = 1.9176f;
+
 template <class D>
 hn::Vec<D> LoadBlended(D d, const PatchSample& sample, int corner, std::ptrdiff_t offset) {
   const auto sharp = hn::LoadU(d, sample.image.corner[corner] + offset);
@@ -95,6 +98,44 @@ PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
   return {cost, gradient, hessian, freedom};
 }
 
+PatchSums SumCoarsePatchCostsImpl(const CoarseSample* samples, int count, std::ptrdiff_t stride) {
+  const hn::CappedTag<float, kPatchLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  const V zero = hn::Zero(d);
+  const V one = hn::Set(d, 1.0f);
+  float cost = 0, freedom = 0;
+  for (size_t lane = 0; lane < kPatchLanes; lane += hn::Lanes(d)) {
+    V cost_sum = zero, freedom_sum = zero;
+    for (int row = 0; row <= 2 * kPatchRadius; row += 2) {
+      const std::ptrdiff_t p = row * stride + static_cast<std::ptrdiff_t>(lane);
+      V sum_q = zero, sum_i = zero, sum_ii = zero;
+      V origin = zero;
+      for (int k = 0; k < count; ++k) {
+        const CoarseSample& sample = samples[k];
+        V value = hn::LoadU(d, sample.image + p);
+        if (sample.blend > 0) {
+          const V blurred = hn::LoadU(d, sample.blurred + p);
+          value = hn::MulAdd(hn::Set(d, sample.blend), hn::Sub(blurred, value), value);
+        }
+        if (k == 0) origin = value;
+        const auto good = hn::Eq(hn::LoadU(d, sample.colours + p), hn::Set(d, sample.colour));
+        value = hn::IfThenElseZero(good, hn::Sub(value, origin));
+        sum_q = hn::Add(sum_q, hn::IfThenElseZero(good, one));
+        sum_i = hn::Add(sum_i, value);
+        sum_ii = hn::MulAdd(value, value, sum_ii);
+      }
+      const V weight = hn::Set(d, kPatchWeights[row]);
+      const V mean_i = hn::Div(sum_i, hn::Max(sum_q, one));
+      cost_sum = hn::MulAdd(weight, hn::NegMulAdd(mean_i, sum_i, sum_ii), cost_sum);
+      freedom_sum = hn::MulAdd(weight, hn::Max(hn::Sub(sum_q, one), zero), freedom_sum);
+    }
+    const V column_weight = hn::Load(d, kPatchWeights + lane);
+    cost += hn::GetLane(hn::SumOfLanes(d, hn::Mul(column_weight, cost_sum)));
+    freedom += hn::GetLane(hn::SumOfLanes(d, hn::Mul(column_weight, freedom_sum)));
+  }
+  return {kCoarseRowsShare * cost, 0, 0, kCoarseRowsShare * freedom};
+}
+
 PatchSums SumPatchesImpl(const PatchSample* samples, int count, std::ptrdiff_t stride) {
   return Sum<true>(samples, count, stride);
 }
@@ -112,6 +153,7 @@ namespace prism {
 
 HWY_EXPORT(SumPatchesImpl);
 HWY_EXPORT(SumPatchCostsImpl);
+HWY_EXPORT(SumCoarsePatchCostsImpl);
 
 PatchSums SumPatches(const PatchSample* samples, int count, std::ptrdiff_t stride) {
   return HWY_DYNAMIC_DISPATCH(SumPatchesImpl)(samples, count, stride);
@@ -119,6 +161,10 @@ PatchSums SumPatches(const PatchSample* samples, int count, std::ptrdiff_t strid
 
 PatchSums SumPatchCosts(const PatchSample* samples, int count, std::ptrdiff_t stride) {
   return HWY_DYNAMIC_DISPATCH(SumPatchCostsImpl)(samples, count, stride);
+}
+
+PatchSums SumCoarsePatchCosts(const CoarseSample* samples, int count, std::ptrdiff_t stride) {
+  return HWY_DYNAMIC_DISPATCH(SumCoarsePatchCostsImpl)(samples, count, stride);
 }
 
 PatchSums SumPatchesReference(const PatchSample* samples, int count, std::ptrdiff_t stride) {

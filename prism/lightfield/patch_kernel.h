@@ -47,6 +47,20 @@ PatchSums SumPatches(const PatchSample* samples, int count, std::ptrdiff_t strid
 // The same without gradient and hessian, which are 0.
 PatchSums SumPatchCosts(const PatchSample* samples, int count, std::ptrdiff_t stride);
 
+// One lens' sight of a patch at the nearest half pixel.
+struct CoarseSample {
+  const float* image;    // at the patch's top-left sample
+  const float* blurred;  // read where blend > 0
+  float blend;
+  const float* colours;
+  float colour;
+};
+
+// Cost and freedom of every second row at the nearest half pixels, brought to what they would be of
+// all rows. A quarter of the work, for a search; what is misplaced by up to a quarter of a pixel
+// adds to the cost where there is texture.
+PatchSums SumCoarsePatchCosts(const CoarseSample* samples, int count, std::ptrdiff_t stride);
+
 // The same in plain C++; the oracle of the test.
 PatchSums SumPatchesReference(const PatchSample* samples, int count, std::ptrdiff_t stride);
 

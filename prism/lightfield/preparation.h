@@ -48,6 +48,9 @@ struct PreparedRaw {
 // Variance added by one more pass of the filter of PreparedRaw::smooth, px^2 in x and in y.
 inline constexpr float kFilterVariance = 0.5f;
 
+// Standard deviation of white noise in PreparedRaw::smooth over that in gray.
+inline constexpr float kSmoothNoise = 0.375f;
+
 // Demosaicing, conversion to gray, vignetting, masks.
 //
 // The white image is averaged over each lens and its nearest neighbours of the same type at the

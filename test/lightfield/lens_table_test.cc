@@ -77,6 +77,23 @@ TEST_P(LensTableOf, ViewsFollowEquationsSixAndSevenAndTheirDerivative) {
   }
 }
 
+TEST(LensTable, ViewsAreTheFirstOfTheTypesAskedFor) {
+  const LensTable table(SmallCamera());
+  LensView all[LensTable::kMaxViews], some[LensTable::kMaxViews];
+  const int count = table.ViewsOf(150, 170, 0.2f, 9, 1, all);
+  for (const unsigned types : {1u, 2u, 5u, LensTable::kAllTypes}) {
+    const int some_count = table.ViewsOf(150, 170, 0.2f, 9, 1, types, 3, some);
+    int expected = 0;
+    for (int k = 0; k < count && expected < 3; ++k) {
+      if ((types >> table.lenses()[all[k].lens].type & 1u) == 0) continue;
+      ASSERT_LT(expected, some_count);
+      EXPECT_EQ(some[expected].lens, all[k].lens);
+      ++expected;
+    }
+    EXPECT_EQ(some_count, expected) << types;
+  }
+}
+
 TEST(LensTable, NeighboursComeByBaselineAndAreMutual) {
   const LensTable table(SmallCamera());
   const auto& lenses = table.lenses();

@@ -72,5 +72,47 @@ TEST(PatchKernel, EqualPatchesCostNothing) {
   EXPECT_GT(sums.hessian, 1);
 }
 
+TEST(PatchKernel, CoarseCostsAreThoseOfEverySecondRowBroughtToAllRows) {
+  constexpr int kStride = 40;
+  std::mt19937_64 generator = SeededGenerator(4, 0);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<float> pixels(kStride * kStride), blurred(kStride * kStride), colours(pixels.size());
+  for (float& pixel : pixels) pixel = 255 * uniform(generator);
+  for (float& pixel : blurred) pixel = 255 * uniform(generator);
+  for (float& colour : colours) colour = uniform(generator) < 0.8f ? 3.0f : 0.0f;
+  for (int count = 2; count <= 5; ++count) {
+    std::vector<CoarseSample> samples;
+    for (int k = 0; k < count; ++k) {
+      const int at = (2 + 3 * k) * kStride + 1 + 4 * k;
+      const float blend = k % 2 == 0 ? 0.0f : uniform(generator);
+      samples.push_back({&pixels[at], &blurred[at], blend, &colours[at], 3});
+    }
+    double cost = 0, freedom = 0, rows = 0, all_rows = 0;
+    for (int row = 0; row <= 2 * kPatchRadius; ++row) {
+      all_rows += kPatchWeights[row];
+      if (row % 2 == 1) continue;
+      rows += kPatchWeights[row];
+      for (int column = 0; column < kPatchLanes; ++column) {
+        const int p = row * kStride + column;
+        double n = 0, sum = 0, squares = 0;
+        for (const CoarseSample& s : samples) {
+          if (s.colours[p] != s.colour) continue;
+          const double value = s.image[p] + s.blend * (s.blurred[p] - s.image[p]);
+          n += 1;
+          sum += value;
+          squares += value * value;
+        }
+        if (n == 0) continue;
+        const double weight = kPatchWeights[row] * kPatchWeights[column];
+        cost += weight * (squares - sum * sum / n);
+        freedom += weight * (n - 1);
+      }
+    }
+    const PatchSums sums = SumCoarsePatchCosts(samples.data(), count, kStride);
+    EXPECT_NEAR(sums.cost, cost * all_rows / rows, 1e-3 * cost);
+    EXPECT_NEAR(sums.freedom, freedom * all_rows / rows, 1e-3 * freedom);
+  }
+}
+
 }  // namespace
 }  // namespace prism
