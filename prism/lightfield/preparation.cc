@@ -137,11 +137,23 @@ void Smooth(const ImageF& image, ImageF* smooth) {
 
 // Where bilinear interpolation in [x, x+1] x [y, y+1] uses pixels of one micro image.
 void CellColourRow(const Image<uint8_t>& good, int y, float* colour) {
+  if (y + 1 == good.height()) return;  // stays 0
   const uint8_t *here = good.row(y), *below = good.row(y + 1);
   for (int x = 0; x < good.width() - 1; ++x) {
     const int c = here[x];
     const int differs = (here[x + 1] ^ c) | (below[x] ^ c) | (below[x + 1] ^ c);
     colour[x] = differs == 0 ? static_cast<float>(c) : 0.0f;
+  }
+}
+
+// Values of 0 to 255.
+void GrayRow(const cv::Mat& image, int y, float* gray) {
+  if (image.depth() == CV_8U) {
+    const uint8_t* row = image.ptr<uint8_t>(y);
+    for (int x = 0; x < image.cols; ++x) gray[x] = row[x];
+  } else {
+    const uint16_t* row = image.ptr<uint16_t>(y);
+    for (int x = 0; x < image.cols; ++x) gray[x] = static_cast<float>(row[x]) * (1.0f / 257);
   }
 }
 
@@ -176,7 +188,8 @@ RawPreparation::RawPreparation(const LensTable& lenses,
     return;
   }
   ImageF gray(width, height);
-  ToGray(white, &gray);
+  const cv::Mat& image = OneChannel(white);
+  for (int y = 0; y < height; ++y) GrayRow(image, y, gray.row(y));
   MeasureVignetting(AverageOverNeighbours(lenses, gray));
 }
 
@@ -212,37 +225,47 @@ void RawPreparation::SumGainSlopes(PreparedRaw* prepared) {
     }
   });
   tbb::parallel_for(0, height, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
-  tbb::parallel_for(kPatchRadius + 1, height - kPatchRadius - 1, [&](int y) {
-    for (int x = kPatchRadius + 1; x < width - kPatchRadius - 1; ++x) {
-      const uint8_t colour = good_(x, y);
-      if (colour == 0) continue;
-      for (int j = -kPatchRadius; j <= kPatchRadius; ++j) {
-        for (int i = -kPatchRadius; i <= kPatchRadius; ++i) {
-          const int u = x + i, v = y + j;
-          if (filtered_(u, v) != colour) continue;
-          const float weight = kPatchWeights[kPatchRadius + i] * kPatchWeights[kPatchRadius + j];
-          prepared->gain_slope_x(x, y) += weight * 0.5f * (gain_(u + 1, v) - gain_(u - 1, v));
-          prepared->gain_slope_y(x, y) += weight * 0.5f * (gain_(u, v + 1) - gain_(u, v - 1));
-        }
-      }
+  const cv::Mat gain(height, width, CV_32F, gain_.data());
+  const cv::Mat good(height, width, CV_8U, good_.data());
+  const cv::Mat interior(height, width, CV_8U, filtered_.data());
+  const cv::Mat weights(1, 2 * kPatchRadius + 1, CV_32F, const_cast<float*>(kPatchWeights));
+  const auto sum = [&](const cv::Mat& along_x, const cv::Mat& along_y, ImageF* sums) {
+    cv::Mat slope, slope_of_colour, sum_of_colour;
+    cv::sepFilter2D(gain, slope, CV_32F, along_x, along_y);
+    cv::Mat target(height, width, CV_32F, sums->data());
+    // Of the pixels of the micro image that the patch's centre lies in.
+    for (const int colour : {1, 2, 3}) {
+      slope_of_colour = cv::Mat::zeros(height, width, CV_32F);
+      slope.copyTo(slope_of_colour, interior == colour);
+      cv::sepFilter2D(slope_of_colour,
+                      sum_of_colour,
+                      CV_32F,
+                      weights,
+                      weights,
+                      cv::Point(-1, -1),
+                      0,
+                      cv::BORDER_CONSTANT);
+      sum_of_colour.copyTo(target, good == colour);
     }
-  });
+  };
+  const cv::Mat difference = (cv::Mat_<float>(1, 3) << -0.5f, 0, 0.5f);
+  const cv::Mat same = (cv::Mat_<float>(1, 1) << 1);
+  sum(difference, same, &prepared->gain_slope_x);
+  sum(same, difference, &prepared->gain_slope_y);
 }
 
-void RawPreparation::ToGray(const cv::Mat& raw, ImageF* gray) {
+const cv::Mat& RawPreparation::OneChannel(const cv::Mat& raw) {
   CHECK_EQ(raw.cols, lenses_.width());
   CHECK_EQ(raw.rows, lenses_.height());
   CHECK(raw.depth() == CV_8U || raw.depth() == CV_16U);
-  const cv::Mat* source = &raw;
   if (raw.channels() == 3) {
     cv::cvtColor(raw, one_channel_, cv::COLOR_BGR2GRAY);
-    source = &one_channel_;
   } else if (options_.pixels != RawPixels::kGray) {
     cv::cvtColor(raw, one_channel_, DemosaicCodesOf(options_.pixels).gray);
-    source = &one_channel_;
+  } else {
+    return raw;
   }
-  cv::Mat target(gray->height(), gray->width(), CV_32F, gray->data());
-  source->convertTo(target, CV_32F, raw.depth() == CV_8U ? 1.0 : 1.0 / 257);
+  return one_channel_;
 }
 
 cv::Mat RawPreparation::ToBgr(const cv::Mat& raw) const {
@@ -280,27 +303,35 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
       prepared->lens_colour_smoother = ImageF(width, height, 0);
     }
   }
-  ToGray(raw, &prepared->gray);
+  const cv::Mat& image = OneChannel(raw);
   if (options_.pixels != RawPixels::kGray) {
     const cv::Mat gain(height, width, CV_32F, gain_.data());
     prepared->mosaic_noise = kDemosaicedNoise * MosaicNoise(raw, gain);
   }
+  // Masks change with the pixels that are saturated, in this frame or in the last, alone.
+  if (prepared != last_prepared_) has_masked_.assign(height, true);
+  last_prepared_ = prepared;
+  was_masked_.swap(has_masked_);
+  has_masked_.assign(height, false);
   const float saturation = static_cast<float>(options_.saturation);
   tbb::parallel_for(0, height, [&](int y) {
     float* gray = prepared->gray.row(y);
+    GrayRow(image, y, gray);
+    has_masked_[y] = *std::max_element(gray, gray + width) >= saturation;
     const float* gain = gain_.row(y);
-    const uint8_t* colour = lenses_.colour_mask().row(y);
-    uint8_t* good = good_.row(y);
-    for (int x = 0; x < width; ++x) {
-      const bool is_good = gray[x] < saturation && gain[x] > 0;
-      good[x] = is_good ? colour[x] : uint8_t{0};
-      gray[x] *= gain[x] > 0 ? gain[x] : 1.0f;
+    if (has_masked_[y] || was_masked_[y]) {
+      const uint8_t* colour = lenses_.colour_mask().row(y);
+      uint8_t* good = good_.row(y);
+      for (int x = 0; x < width; ++x) {
+        const bool is_good = gray[x] < saturation && gain[x] > 0;
+        good[x] = is_good ? colour[x] : uint8_t{0};
+      }
     }
+    for (int x = 0; x < width; ++x) gray[x] *= gain[x] > 0 ? gain[x] : 1.0f;
   });
   FilterHalfPixels(prepared->gray, &prepared->smooth);
-  tbb::parallel_for(0, height, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
-  tbb::parallel_for(
-      0, height - 1, [&](int y) { CellColourRow(filtered_, y, prepared->lens_colour.row(y)); });
+  ForRowsAround(1, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
+  ForRowsAround(2, [&](int y) { CellColourRow(filtered_, y, prepared->lens_colour.row(y)); });
   if (!lenses_.HasSeveralFocalLengths()) return;
   prepared->smoother.Resize(width, height);
   for (int j = 0; j < HalfPixelImage::kStepsPerPixel; ++j) {
@@ -308,9 +339,18 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
       Smooth(prepared->smooth.phase[j][i], &prepared->smoother.phase[j][i]);
     }
   }
-  tbb::parallel_for(0, height, [&](int y) { InteriorRow(filtered_, y, filtered_twice_.row(y)); });
-  tbb::parallel_for(0, height - 1, [&](int y) {
-    CellColourRow(filtered_twice_, y, prepared->lens_colour_smoother.row(y));
+  ForRowsAround(2, [&](int y) { InteriorRow(filtered_, y, filtered_twice_.row(y)); });
+  ForRowsAround(
+      3, [&](int y) { CellColourRow(filtered_twice_, y, prepared->lens_colour_smoother.row(y)); });
+}
+
+template <typename Row>
+void RawPreparation::ForRowsAround(int reach, const Row& row) const {
+  const int height = lenses_.height();
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int v = std::max(y - reach, 0); v <= std::min(y + reach, height - 1); ++v) {
+      if (has_masked_[v] || was_masked_[v]) return row(y);
+    }
   });
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -72,17 +73,25 @@ class RawPreparation {
   void PrepareChannel(const cv::Mat& bgr, int channel, ImageF* corrected) const;
 
  private:
-  void ToGray(const cv::Mat& raw, ImageF* gray);
+  // Such an image in gray, without a copy if it is.
+  const cv::Mat& OneChannel(const cv::Mat& raw);
   void MeasureVignetting(const ImageF& white);
   void SumGainSlopes(PreparedRaw* prepared);
+  // Calls row(y) where a mask may have changed within `reach` rows.
+  template <typename Row>
+  void ForRowsAround(int reach, const Row& row) const;
 
   const LensTable& lenses_;
   PreparationOptions options_;
   ImageF gain_;  // 0: masked
-  cv::Mat demosaiced_, one_channel_;
+  cv::Mat one_channel_;
   Image<uint8_t> good_;
   Image<uint8_t> filtered_;        // good_ with all eight neighbours in the same micro image
   Image<uint8_t> filtered_twice_;  // the same of filtered_
+  // Rows of the last frame and of the one before with pixels masked that are good in the white
+  // image. Of all rows as long as nothing is known of `last_prepared_`.
+  std::vector<char> has_masked_, was_masked_;
+  const PreparedRaw* last_prepared_ = nullptr;
 };
 
 }  // namespace prism
