@@ -33,7 +33,9 @@ std::vector<std::pair<std::string, std::string>> DescribeCamera(const RunRecord&
 
 }  // namespace
 
-void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
+void ReportRecorder::Add(const FrameResult& frame,
+                         const Odometry& odometry,
+                         const StageTimer& reading) {
   ReportFrame entry;
   entry.time_ns = frame.time_ns;
   entry.status = ToString(frame.status);
@@ -46,7 +48,8 @@ void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
   entry.points = frame.points_used;
   entry.brightness_a = frame.state.a();
   entry.brightness_b = frame.state.b();
-  entry.stage_ms = TakeStageTimes(odometry.timer());
+  entry.stage_ms = TakeNewTimes(reading, &reading_totals_);
+  entry.stage_ms.merge(TakeNewTimes(odometry.timer(), &odometry_totals_));
   if (entry.is_tracked) positions_.push_back(frame.state.pose().Inverse().translation());
   frames_.push_back(std::move(entry));
   if (frame.is_keyframe) UpdateKeyframes(odometry);
@@ -58,15 +61,6 @@ void ReportRecorder::MoveKeyframes(const Map& map) {
     entry.keyframe.world_from_cam = map.CamFromWorld(id).Inverse();
     entry.has_changed = true;
   }
-}
-
-std::map<std::string, double> ReportRecorder::TakeStageTimes(const StageTimer& timer) {
-  std::map<std::string, double> times_ms;
-  for (const auto& [stage, durations_ms] : timer.durations_ms()) {
-    size_t& taken = times_taken_[stage];
-    for (; taken < durations_ms.size(); ++taken) times_ms[stage] += durations_ms[taken];
-  }
-  return times_ms;
 }
 
 void ReportRecorder::UpdateKeyframes(const Odometry& odometry) {
@@ -171,6 +165,7 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
     report.groundtruth = groundtruth;
     EvaluationOptions options;
     options.segment_starts_ns = SegmentStarts(record.frames);
+  report.processor_seconds = record.processor_seconds;
     report.metrics = EvaluateTrajectory(groundtruth, report.trajectory, options);
   }
   return report;

@@ -21,8 +21,11 @@ RunReport DescribeRun(const RunRecord& record);
 // are encoded in threads of their own, and points, so that the window may forget them.
 class ReportRecorder {
  public:
-  // To be called after every Odometry::Process.
-  void Add(const FrameResult& frame, const Odometry& odometry);
+  static constexpr size_t kMaxPictures = 200;  // beside those of the window
+
+  // To be called after every Odometry::Process. `reading`: times of reading and preparing frames,
+  // this one the last of them.
+  void Add(const FrameResult& frame, const Odometry& odometry, const StageTimer& reading);
 
   // What has come since the last call, for LiveView; poses are those of the moment.
   RunUpdate TakeUpdate();
@@ -43,7 +46,6 @@ class ReportRecorder {
     bool has_changed = false;               // since it was told
   };
 
-  std::map<std::string, double> TakeStageTimes(const StageTimer& timer);
   void UpdateKeyframes(const Odometry& odometry);
   // After a segment was joined to another.
   void MoveKeyframes(const Map& map);
@@ -57,7 +59,7 @@ class ReportRecorder {
   size_t frames_taken_ = 0;                 // by TakeUpdate
   size_t positions_taken_ = 0;
   size_t problems_taken_ = 0;
-  std::map<std::string, size_t> times_taken_;  // of each stage of the timer
+  std::map<std::string, double> reading_totals_, odometry_totals_;  // see TakeNewTimes
 };
 
 }  // namespace prism

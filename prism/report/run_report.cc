@@ -178,6 +178,7 @@ Json ReportToJson(const RunReport& report) {
   Json json = {{"title", report.title},
                {"git_hash", report.git_hash},
                {"wall_seconds", report.wall_seconds},
+               {"processor_seconds", report.processor_seconds},
                {"peak_resident_mib", report.peak_resident_mib},
                {"options", report.options},
                {"camera", report.camera},

@@ -58,6 +58,7 @@ struct RunReport {
   std::string title;
   std::string git_hash;
   double wall_seconds = 0;
+  double processor_seconds = 0;
   double peak_resident_mib = 0;
   std::map<std::string, std::string> options;
   std::vector<std::pair<std::string, std::string>> camera;  // name (with unit) and value

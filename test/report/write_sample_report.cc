@@ -59,6 +59,7 @@ RunReport SampleReport() {
   report.git_hash = "0123456789ab";
   report.wall_seconds = 10;
   report.options = {{"sequence", "sample"}, {"threads", "2"}};
+  report.processor_seconds = 18;
   report.camera = {{"focal length", "16.7 mm"}};
   for (int i = 0; i < kFrames; ++i) {
     const int64_t time_ns = i * int64_t{33333333};
@@ -72,7 +73,12 @@ RunReport SampleReport() {
     frame.residual_rms = 5 + std::sin(0.1 * i);
     frame.points = 1500 + i;
     frame.brightness_a = 0.01 * std::sin(0.05 * i);
-    frame.stage_ms = {{"track", 12.5}, {"optimise", frame.is_keyframe ? 60.0 : 0.0}};
+    // More stages than there are colours, some of which begin late.
+    for (const char* stage : {"read image", "preparation", "depth", "focused image", "track"}) {
+      frame.stage_ms[stage] = 12 + std::sin(0.1 * i);
+    }
+    if (frame.is_keyframe) frame.stage_ms["optimise"] = 60;
+    if (i >= 50) frame.stage_ms["realign"] = 2;
     if (frame.is_tracked) report.trajectory.push_back({time_ns, PoseAt(i, 0.97)});
     if (frame.is_keyframe) report.keyframes.push_back(KeyframeAt(i, &generator));
     report.frames.push_back(frame);

@@ -77,6 +77,8 @@
       tile.appendChild(document.createElement('b')).textContent = value;
       tile.appendChild(document.createElement('span')).textContent = name;
       return tile;
+      tiles.push([(1000 * data.processor_seconds / data.frames.length).toFixed(0) + ' ms',
+                  'processor time a frame']);
     }));
   }
 
@@ -85,9 +87,10 @@
     for (const frame of data.frames) {
       for (const [name, ms] of Object.entries(frame.ms)) (stages[name] = stages[name] || []).push(ms);
     }
-    fillTable(get('stages'), Object.entries(stages).map(([name, ms]) => [
-      name, ms.length, median(ms).toFixed(2), Math.max(...ms).toFixed(2),
-      ms.reduce((a, b) => a + b, 0).toFixed(0)]),
+    const total = ms => ms.reduce((a, b) => a + b, 0);
+    fillTable(get('stages'), Object.entries(stages).sort(([, a], [, b]) => total(b) - total(a)).map(
+        ([name, ms]) => [name, ms.length, median(ms).toFixed(2),
+                         ms.reduce((a, b) => Math.max(a, b)).toFixed(2), total(ms).toFixed(0)]),
               ['stage', 'frames', 'median ms', 'largest ms', 'total ms']);
     fillTable(get('metrics'), Object.entries(data.metrics || {}).filter(
         ([, value]) => typeof value !== 'object').map(([name, value]) => [name, value]));
