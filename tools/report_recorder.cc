@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "tools/tool_main.h"
 
@@ -52,7 +53,10 @@ void ReportRecorder::Add(const FrameResult& frame,
   entry.stage_ms.merge(TakeNewTimes(odometry.timer(), &odometry_totals_));
   if (entry.is_tracked) positions_.push_back(frame.state.pose().Inverse().translation());
   frames_.push_back(std::move(entry));
-  if (frame.is_keyframe) UpdateKeyframes(odometry);
+  if (frame.is_keyframe) {
+    UpdateKeyframes(odometry);
+    ThinOutPictures(odometry.window());
+  }
   if (frame.joined) MoveKeyframes(odometry.map());
 }
 
@@ -90,6 +94,19 @@ void ReportRecorder::UpdateKeyframes(const Odometry& odometry) {
     entry.most_points = std::max(entry.most_points, points.size());
     if (2 * points.size() >= entry.most_points) entry.keyframe.points = std::move(points);
     entry.has_changed = true;
+  }
+}
+
+void ReportRecorder::ThinOutPictures(const Window& window) {
+  while (keyframes_.size() > kMaxPictures * picture_step_) picture_step_ *= 2;
+  std::set<int> in_window;
+  for (const auto& keyframe : window.keyframes) in_window.insert(keyframe->id);
+  size_t number = 0;
+  for (auto& [id, entry] : keyframes_) {
+    if (number++ % picture_step_ == 0 || in_window.count(id) > 0) continue;
+    entry.thumbnail = {};
+    entry.keyframe.jpeg = std::string();
+    entry.keyframe.points = {};
   }
 }
 
@@ -148,6 +165,7 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
                                  const Trajectory& groundtruth) {
   RunReport report = DescribeRun(record);
   report.wall_seconds = record.wall_seconds;
+  report.processor_seconds = record.processor_seconds;
   report.peak_resident_mib = PeakResidentMib();
   report.frames = frames_;
   report.trajectory = odometry.FrameTrajectory();
@@ -165,7 +183,6 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
     report.groundtruth = groundtruth;
     EvaluationOptions options;
     options.segment_starts_ns = SegmentStarts(record.frames);
-  report.processor_seconds = record.processor_seconds;
     report.metrics = EvaluateTrajectory(groundtruth, report.trajectory, options);
   }
   return report;

@@ -18,7 +18,9 @@ namespace prism {
 RunReport DescribeRun(const RunRecord& record);
 
 // Collects what report.html shows while a run goes on. Keyframes are kept as small images, which
-// are encoded in threads of their own, and points, so that the window may forget them.
+// are encoded in threads of their own, and points, so that the window may forget them. Of long runs
+// every second, fourth, ... of those that have left the window keeps its image and points, the
+// others their poses.
 class ReportRecorder {
  public:
   static constexpr size_t kMaxPictures = 200;  // beside those of the window
@@ -47,6 +49,7 @@ class ReportRecorder {
   };
 
   void UpdateKeyframes(const Odometry& odometry);
+  void ThinOutPictures(const Window& window);
   // After a segment was joined to another.
   void MoveKeyframes(const Map& map);
   // Moves the image into the keyframe once it is encoded; waits for that if asked to. False: not
@@ -55,6 +58,7 @@ class ReportRecorder {
 
   std::vector<ReportFrame> frames_;
   std::map<int, Entry> keyframes_;          // by id
+  size_t picture_step_ = 1;                 // every so many of them keep image and points
   std::vector<Eigen::Vector3d> positions_;  // of the tracked frames, as tracked
   size_t frames_taken_ = 0;                 // by TakeUpdate
   size_t positions_taken_ = 0;

@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kFrames = 228;
 constexpr int kKeyframeStep = 5;
+constexpr int kWithoutImage = 10;  // this frame's keyframe
 
 SE3 PoseAt(int i, double scale) {
   const double t = i / 30.0;
@@ -58,8 +59,8 @@ RunReport SampleReport() {
   report.title = "sample </script> & <run>";
   report.git_hash = "0123456789ab";
   report.wall_seconds = 10;
-  report.options = {{"sequence", "sample"}, {"threads", "2"}};
   report.processor_seconds = 18;
+  report.options = {{"sequence", "sample"}, {"threads", "2"}};
   report.camera = {{"focal length", "16.7 mm"}};
   for (int i = 0; i < kFrames; ++i) {
     const int64_t time_ns = i * int64_t{33333333};
@@ -81,6 +82,7 @@ RunReport SampleReport() {
     if (i >= 50) frame.stage_ms["realign"] = 2;
     if (frame.is_tracked) report.trajectory.push_back({time_ns, PoseAt(i, 0.97)});
     if (frame.is_keyframe) report.keyframes.push_back(KeyframeAt(i, &generator));
+    if (i == kWithoutImage) report.keyframes.back().jpeg = "";
     report.frames.push_back(frame);
   }
   std::uniform_real_distribution<float> coordinate(-2, 2);
