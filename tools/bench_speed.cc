@@ -126,7 +126,7 @@ std::string FormatSpeed(const Json& summary) {
   char title[256];
   std::snprintf(title,
                 sizeof(title),
-                "%s/%s: %d frames, %d runs, revision %s\n",
+                "%s/%s: frames %d, runs %d, revision %s\n",
                 summary["sequence"].get<std::string>().c_str(),
                 summary["variant"].get<std::string>().c_str(),
                 summary["frames"].get<int>(),

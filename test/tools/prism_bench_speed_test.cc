@@ -111,7 +111,7 @@ TEST(BenchProcess, MeasuresTheProgramAlone) {
   EXPECT_EQ(outcome.end, ProcessEnd::kExited);
   EXPECT_GT(outcome.processor_seconds, 0.02);
   EXPECT_LT(outcome.processor_seconds, outcome.seconds + 0.1);
-  if (outcome.instructions) EXPECT_GT(*outcome.instructions, 1e7);
+  EXPECT_GT(outcome.instructions.value_or(1e9), 1e7);  // most virtual machines do not count
 }
 
 }  // namespace
