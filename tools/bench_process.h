@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,9 +12,11 @@ enum class ProcessEnd { kExited, kSignal, kTimeLimit, kMemoryLimit, kNotStarted 
 
 struct ProcessOutcome {
   ProcessEnd end = ProcessEnd::kNotStarted;
-  int exit_status = 0;  // if it exited
-  int signal = 0;       // that ended it, if one did
-  double seconds = 0;   // wall time
+  int exit_status = 0;                 // if it exited
+  int signal = 0;                      // that ended it, if one did
+  double seconds = 0;                  // wall time
+  double processor_seconds = 0;        // of all its threads, user and system
+  std::optional<double> instructions;  // of all its threads, in user mode; if they can be counted
   double peak_resident_mib = 0;
 };
 

@@ -106,7 +106,10 @@ BenchResult CollectResult(const BenchJob& job,
                         {"exit_status", outcome.exit_status},
                         {"signal", outcome.signal},
                         {"seconds", outcome.seconds},
+                        {"processor_seconds", outcome.processor_seconds},
+                        {"instructions", nullptr},
                         {"peak_resident_mib", outcome.peak_resident_mib}};
+  if (outcome.instructions) result["instructions"] = *outcome.instructions;
   if (result["status"] != "done") return result;
   for (const char* name : {"metrics", "run"}) {
     const fs::path path = fs::path(folder) / (std::string(name) + ".json");

@@ -14,8 +14,9 @@
 namespace prism {
 
 // One run: a line of results.jsonl. Holds sequence, variant, seed, command, status ("done",
-// "failed", "crashed", "time limit", "memory limit", "not started"), seconds, peak_resident_mib
-// and, of a run that is done, metrics (metrics.json) and run (run.json without its frames).
+// "failed", "crashed", "time limit", "memory limit", "not started"), seconds, processor_seconds,
+// instructions (null: cannot be counted here), peak_resident_mib and, of a run that is done,
+// metrics (metrics.json) and run (run.json without its frames).
 using BenchResult = nlohmann::ordered_json;
 
 // Reads what a finished process left in `folder`.

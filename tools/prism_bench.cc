@@ -16,14 +16,24 @@
 #include "prism/report/plot.h"
 #include "tools/bench_process.h"
 #include "tools/bench_results.h"
+#include "tools/bench_speed.h"
 #include "tools/bench_suite.h"
+#include "tools/machine.h"
 #include "tools/tool_main.h"
 
 DEFINE_string(suite, "", "Suite file (YAML, see sequences/SUITES.md)");
 DEFINE_string(output_dir, "", "Folder of the runs and of the results");
 DEFINE_string(data_dir, "../shared/data", "What {data} in the suite stands for");
 DEFINE_string(program, "", "The odometry to run; default: prism_vo beside this program");
-DEFINE_int32(repeat, 0, "Seeds 0 to N-1 instead of those of the suite; 0: those of the suite");
+DEFINE_int32(repeat,
+             0,
+             "Seeds 0 to N-1 instead of those of the suite; 0: those of the suite. With --speed: "
+             "times each run is measured; 0: five");
+DEFINE_bool(
+    speed,
+    false,
+    "Measure how fast each sequence and variant is, by the first seed again and again after "
+    "a run to warm up: speed.txt and speed.json instead of errors");
 DEFINE_string(filter, "", "Only runs whose sequence/variant/seed contains this");
 DEFINE_bool(list_jobs, false, "List the runs, one a line, and end");
 DEFINE_int32(job, -1, "Run only this one of the list, without tables and plots");
@@ -177,10 +187,52 @@ void Summarize(const std::vector<BenchResult>& results, const std::vector<BenchR
   WriteSuiteReport(tables, plots);
 }
 
+// The same run, `count` times after one that is not looked at; ends with the first that fails.
+std::vector<BenchResult> RepeatJob(const BenchSuite& suite, const BenchJob& job, int count) {
+  std::vector<BenchResult> results;
+  for (int i = 0; i <= count; ++i) {
+    BenchResult result = RunJob(suite, job);
+    const bool is_done = result["status"] == "done";
+    std::cout << job.sequence << "/" << job.variant << ", "
+              << (i == 0 ? "to warm up" : std::to_string(i) + " of " + std::to_string(count))
+              << ": " << result["status"].get<std::string>() << std::endl;
+    if (!is_done) return {std::move(result)};
+    if (i > 0) results.push_back(std::move(result));
+  }
+  return results;
+}
+
+ExitStatus MeasureSpeed(const BenchSuite& suite, const std::vector<BenchJob>& jobs) {
+  const Machine machine = ThisMachine();
+  std::string text = FormatMachine(machine);
+  nlohmann::ordered_json json = {{"machine", MachineToJson(machine)}, {"suite", FLAGS_suite}};
+  json["runs"] = nlohmann::ordered_json::array();
+  std::string failed;
+  for (const BenchJob& job : jobs) {
+    const std::vector<BenchResult> results =
+        RepeatJob(suite, job, FLAGS_repeat > 0 ? FLAGS_repeat : 5);
+    if (results.back()["status"] != "done") {
+      failed = FolderOf(job);
+      continue;
+    }
+    json["runs"].push_back(SummarizeSpeed(results));
+    text += "\n" + FormatSpeed(json["runs"].back());
+  }
+  std::cout << "\n" << text;
+  WriteTextAtomically(InOutput("speed.txt"), text);
+  WriteTextAtomically(InOutput("speed.json"), json.dump(1) + "\n");
+  if (failed.empty()) return kExitDone;
+  std::cerr << "prism_bench: " << FLAGS_suite << ": found a run that failed, expected none (see "
+            << failed << "/log.txt)" << std::endl;
+  return kExitRunFailed;
+}
+
 ExitStatus Run() {
   RequireFlag("suite", FLAGS_suite, "a suite file");
   BenchSuite suite = ReadBenchSuite(FLAGS_suite, FLAGS_data_dir);
-  if (FLAGS_repeat > 0) {
+  if (FLAGS_speed) {
+    suite.seeds.resize(1);
+  } else if (FLAGS_repeat > 0) {
     suite.seeds.resize(static_cast<size_t>(FLAGS_repeat));
     for (int i = 0; i < FLAGS_repeat; ++i) suite.seeds[static_cast<size_t>(i)] = i;
   }
@@ -197,7 +249,11 @@ ExitStatus Run() {
   if (access(ProgramPath().c_str(), X_OK) != 0) {
     throw InputError("--program", "no program " + ProgramPath(), "the odometry to run");
   }
+  if (FLAGS_speed && (FLAGS_job >= 0 || !FLAGS_baseline.empty())) {
+    throw InputError("--speed", "--job or --baseline beside it", "neither");
+  }
   CreateDirectory(FLAGS_output_dir);
+  if (FLAGS_speed) return MeasureSpeed(suite, jobs);
   if (FLAGS_job >= 0) {
     if (FLAGS_job >= static_cast<int>(jobs.size())) {
       throw InputError("--job",
@@ -232,7 +288,8 @@ int main(int argc, char** argv) {
   return prism::RunTool(
       {"prism_bench",
        "runs a suite of sequences, variants and seeds and compares the results",
-       "--suite=FILE --output_dir=FOLDER [--baseline=FOLDER] [--list_jobs] [--job=N]",
+       "--suite=FILE --output_dir=FOLDER [--baseline=FOLDER] [--list_jobs] [--job=N]\n"
+       "       prism_bench --speed --suite=FILE --output_dir=FOLDER [--repeat=N]",
        "prism_bench --suite=sequences/redkitchen_ablation.yaml --output_dir=out/ablation"},
       argc,
       argv,

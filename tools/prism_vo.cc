@@ -200,6 +200,7 @@ ExitStatus Run() {
   record.sequence_format = sequence.format();
   ReportRecorder recorder;
   const std::unique_ptr<LiveView> live = StartLiveView(record);
+  const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -211,13 +212,15 @@ ExitStatus Run() {
       std::cout << sequence.Verdict().Text() << std::flush;
     }
     record.frames.push_back(odometry.Process(std::move(*frame)));
-    recorder.Add(record.frames.back(), odometry);
+    recorder.Add(record.frames.back(), odometry, sequence.timer());
     if (live) live->Publish(recorder.TakeUpdate());
     ShowProgress(record, record.frames.back(), sequence.size(), seconds());
   }
   record.wall_seconds = seconds();
+  record.processor_seconds = ProcessorSeconds() - processor_start;
   record.light_field = sequence.Verdict();
-  record.stages = odometry.timer().Summarize();
+  record.stages = sequence.timer().Summarize();
+  record.stages.merge(odometry.timer().Summarize());
   record.trajectory = odometry.FrameTrajectory();
   record.piece_of_segment = odometry.map().PieceOfSegments();
   record.intensity_sigma = odometry.window().noise.ResidualSigma();

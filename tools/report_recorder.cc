@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "tools/tool_main.h"
 
@@ -33,7 +34,9 @@ std::vector<std::pair<std::string, std::string>> DescribeCamera(const RunRecord&
 
 }  // namespace
 
-void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
+void ReportRecorder::Add(const FrameResult& frame,
+                         const Odometry& odometry,
+                         const StageTimer& reading) {
   ReportFrame entry;
   entry.time_ns = frame.time_ns;
   entry.status = ToString(frame.status);
@@ -46,10 +49,14 @@ void ReportRecorder::Add(const FrameResult& frame, const Odometry& odometry) {
   entry.points = frame.points_used;
   entry.brightness_a = frame.state.a();
   entry.brightness_b = frame.state.b();
-  entry.stage_ms = TakeStageTimes(odometry.timer());
+  entry.stage_ms = TakeNewTimes(reading, &reading_totals_);
+  entry.stage_ms.merge(TakeNewTimes(odometry.timer(), &odometry_totals_));
   if (entry.is_tracked) positions_.push_back(frame.state.pose().Inverse().translation());
   frames_.push_back(std::move(entry));
-  if (frame.is_keyframe) UpdateKeyframes(odometry);
+  if (frame.is_keyframe) {
+    UpdateKeyframes(odometry);
+    ThinOutPictures(odometry.window());
+  }
   if (frame.joined) MoveKeyframes(odometry.map());
 }
 
@@ -58,15 +65,6 @@ void ReportRecorder::MoveKeyframes(const Map& map) {
     entry.keyframe.world_from_cam = map.CamFromWorld(id).Inverse();
     entry.has_changed = true;
   }
-}
-
-std::map<std::string, double> ReportRecorder::TakeStageTimes(const StageTimer& timer) {
-  std::map<std::string, double> times_ms;
-  for (const auto& [stage, durations_ms] : timer.durations_ms()) {
-    size_t& taken = times_taken_[stage];
-    for (; taken < durations_ms.size(); ++taken) times_ms[stage] += durations_ms[taken];
-  }
-  return times_ms;
 }
 
 void ReportRecorder::UpdateKeyframes(const Odometry& odometry) {
@@ -96,6 +94,19 @@ void ReportRecorder::UpdateKeyframes(const Odometry& odometry) {
     entry.most_points = std::max(entry.most_points, points.size());
     if (2 * points.size() >= entry.most_points) entry.keyframe.points = std::move(points);
     entry.has_changed = true;
+  }
+}
+
+void ReportRecorder::ThinOutPictures(const Window& window) {
+  while (keyframes_.size() > kMaxPictures * picture_step_) picture_step_ *= 2;
+  std::set<int> in_window;
+  for (const auto& keyframe : window.keyframes) in_window.insert(keyframe->id);
+  size_t number = 0;
+  for (auto& [id, entry] : keyframes_) {
+    if (number++ % picture_step_ == 0 || in_window.count(id) > 0) continue;
+    entry.thumbnail = {};
+    entry.keyframe.jpeg = std::string();
+    entry.keyframe.points = {};
   }
 }
 
@@ -154,6 +165,7 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
                                  const Trajectory& groundtruth) {
   RunReport report = DescribeRun(record);
   report.wall_seconds = record.wall_seconds;
+  report.processor_seconds = record.processor_seconds;
   report.peak_resident_mib = PeakResidentMib();
   report.frames = frames_;
   report.trajectory = odometry.FrameTrajectory();

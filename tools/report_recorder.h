@@ -18,11 +18,16 @@ namespace prism {
 RunReport DescribeRun(const RunRecord& record);
 
 // Collects what report.html shows while a run goes on. Keyframes are kept as small images, which
-// are encoded in threads of their own, and points, so that the window may forget them.
+// are encoded in threads of their own, and points, so that the window may forget them. Of long runs
+// every second, fourth, ... of those that have left the window keeps its image and points, the
+// others their poses.
 class ReportRecorder {
  public:
-  // To be called after every Odometry::Process.
-  void Add(const FrameResult& frame, const Odometry& odometry);
+  static constexpr size_t kMaxPictures = 200;  // beside those of the window
+
+  // To be called after every Odometry::Process. `reading`: times of reading and preparing frames,
+  // this one the last of them.
+  void Add(const FrameResult& frame, const Odometry& odometry, const StageTimer& reading);
 
   // What has come since the last call, for LiveView; poses are those of the moment.
   RunUpdate TakeUpdate();
@@ -43,8 +48,8 @@ class ReportRecorder {
     bool has_changed = false;               // since it was told
   };
 
-  std::map<std::string, double> TakeStageTimes(const StageTimer& timer);
   void UpdateKeyframes(const Odometry& odometry);
+  void ThinOutPictures(const Window& window);
   // After a segment was joined to another.
   void MoveKeyframes(const Map& map);
   // Moves the image into the keyframe once it is encoded; waits for that if asked to. False: not
@@ -53,11 +58,12 @@ class ReportRecorder {
 
   std::vector<ReportFrame> frames_;
   std::map<int, Entry> keyframes_;          // by id
+  size_t picture_step_ = 1;                 // every so many of them keep image and points
   std::vector<Eigen::Vector3d> positions_;  // of the tracked frames, as tracked
   size_t frames_taken_ = 0;                 // by TakeUpdate
   size_t positions_taken_ = 0;
   size_t problems_taken_ = 0;
-  std::map<std::string, size_t> times_taken_;  // of each stage of the timer
+  std::map<std::string, double> reading_totals_, odometry_totals_;  // see TakeNewTimes
 };
 
 }  // namespace prism

@@ -171,6 +171,15 @@ std::optional<ScaleSummary> SummarizeScale(const RunRecord& record) {
   return summary;
 }
 
+double ProcessorSeconds() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 double PeakResidentMib() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -192,8 +201,11 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["frame_count"] = record.frames.size();
   json["tracked_count"] = tracked;
   json["keyframe_count"] = CountKeyframes(record.frames);
+  const double count = static_cast<double>(record.frames.size());
   json["wall_seconds"] = record.wall_seconds;
-  json["frames_per_second"] = static_cast<double>(record.frames.size()) / record.wall_seconds;
+  json["frames_per_second"] = count / record.wall_seconds;
+  json["processor_seconds"] = record.processor_seconds;
+  json["processor_ms_per_frame"] = 1e3 * record.processor_seconds / count;
   json["peak_resident_mib"] = PeakResidentMib();
   json["variance_factors"] = MedianVarianceFactors(record.frames);  // by term
   json["intensity_sigma"] = record.intensity_sigma;

@@ -27,7 +27,8 @@ struct RunRecord {
   Trajectory trajectory;  // of the tracked ones, as known at the end; times as in `frames`
   std::map<int, int> piece_of_segment;  // of the map, at the end (Map)
   std::map<std::string, StageTimer::Summary> stages;
-  double wall_seconds = 0;
+  double wall_seconds = 0;                 // from the first frame asked for to the last result
+  double processor_seconds = 0;            // in this time, of all threads, user and system
   double intensity_sigma = 0;              // photometric residuals are weighted by it, at the end
   double depth_scale = 1;                  // and measured 1/v by this times their stated sigma
   double keyframe_depth_offset_sigma = 0;  // NoiseModel::DepthOffsetSigma, at the end
@@ -53,6 +54,9 @@ int CountKeyframes(const std::vector<FrameResult>& frames);
 
 // Times of the first tracked frame of every segment but the first, ns.
 std::vector<int64_t> SegmentStarts(const std::vector<FrameResult>& frames);
+
+// Processor time of this process so far, all threads, user and system.
+double ProcessorSeconds();
 
 // Largest resident set of this process so far, MiB.
 double PeakResidentMib();

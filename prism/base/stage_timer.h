@@ -5,14 +5,14 @@
 #include <chrono>
 #include <map>
 #include <string>
-#include <vector>
 
 namespace prism {
 
-// Wall-clock durations per named stage, one entry a call.
+// Wall-clock durations per named stage. What is kept of a stage does not grow with the calls:
+// durations are gathered in classes 1 % wide.
 class StageTimer {
  public:
-  // Adds the time from its construction to its destruction to a stage.
+  // Adds the time from its construction to its destruction to a stage; without a timer nothing.
   class Scope {
    public:
     Scope(StageTimer* timer, std::string stage);
@@ -28,18 +28,34 @@ class StageTimer {
 
   struct Summary {
     int count = 0;
-    double median_ms = 0;
+    double median_ms = 0;  // to 1 %, as p95_ms
     double p95_ms = 0;
     double total_ms = 0;
   };
 
   void Add(const std::string& stage, double milliseconds);
   std::map<std::string, Summary> Summarize() const;
-  // All durations of all stages in milliseconds, in order of the calls.
-  const std::map<std::string, std::vector<double>>& durations_ms() const { return durations_ms_; }
+  // Of every stage so far, in milliseconds.
+  std::map<std::string, double> Totals() const;
 
  private:
-  std::map<std::string, std::vector<double>> durations_ms_;
+  struct Durations {
+    int count = 0;
+    double total_ms = 0;
+  };
+  struct Stage {
+    Durations all;
+    std::map<int, Durations> classes;  // by the logarithm of the duration
+  };
+
+  static double QuantileOf(const Stage& stage, double q);
+
+  std::map<std::string, Stage> stages_;
 };
+
+// Milliseconds that each stage of `timer` has got since the last call with the same `totals`
+// (empty: all), without the stages that have got none.
+std::map<std::string, double> TakeNewTimes(const StageTimer& timer,
+                                           std::map<std::string, double>* totals);
 
 }  // namespace prism

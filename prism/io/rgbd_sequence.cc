@@ -83,16 +83,24 @@ RgbdSequence::RgbdSequence(const std::string& folder,
   }
 }
 
-LightFieldFrame RgbdSequence::Read(int index) const {
+RgbdSequence::Images RgbdSequence::ReadImages(const Entry& entry) const {
+  const int width = camera_.raw_width, height = camera_.raw_height;
+  return {ReadGrayImage(InFolder(folder_, entry.image_path), width, height),
+          Read16BitImage(InFolder(folder_, entry.depth_path), width, height)};
+}
+
+LightFieldFrame RgbdSequence::Read(int index, StageTimer* timer) const {
   const Entry& entry = entries_.at(index);
-  const std::string image_path = InFolder(folder_, entry.image_path);
-  const std::string depth_path = InFolder(folder_, entry.depth_path);
-  const cv::Mat gray = ReadGrayImage(image_path, camera_.raw_width, camera_.raw_height);
-  const cv::Mat depth = Read16BitImage(depth_path, camera_.raw_width, camera_.raw_height);
+  Images images;
+  {
+    const StageTimer::Scope scope(timer, "read image");
+    images = ReadImages(entry);
+  }
+  const StageTimer::Scope scope(timer, "convert frame");
   cv::Mat depth_m;
-  depth.convertTo(depth_m, CV_32F, 1 / kDepthUnitsPerMetre);
+  images.depth.convertTo(depth_m, CV_32F, 1 / kDepthUnitsPerMetre);
   return PlenopticFrameFromRgbd(
-      camera_, gray, depth_m, entry.time_ns, static_cast<uint64_t>(index), options_);
+      camera_, images.gray, depth_m, entry.time_ns, static_cast<uint64_t>(index), options_);
 }
 
 }  // namespace prism

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
+#include "prism/base/stage_timer.h"
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/io/rgbd_to_plenoptic.h"
 #include "prism/scene/frame.h"
@@ -33,8 +36,9 @@ class RgbdSequence {
   const std::string& image_path(int index) const { return entries_[index].image_path; }
   const std::string& depth_path(int index) const { return entries_[index].depth_path; }
 
-  // Deterministic in the index and the seed; safe to call from several threads.
-  LightFieldFrame Read(int index) const;
+  // Deterministic in the index and the seed; safe to call from several threads with a timer each,
+  // which gets the stages "read image" and "convert frame" (null: none).
+  LightFieldFrame Read(int index, StageTimer* timer = nullptr) const;
 
  private:
   struct Entry {
@@ -42,6 +46,12 @@ class RgbdSequence {
     std::string image_path;
     std::string depth_path;
   };
+  struct Images {
+    cv::Mat gray;
+    cv::Mat depth;  // as stored
+  };
+
+  Images ReadImages(const Entry& entry) const;
 
   std::string folder_;
   PlenopticCamera camera_;

@@ -3,6 +3,7 @@
 #include "prism/report/run_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include <glog/logging.h>
@@ -144,7 +145,9 @@ Json FrameToReportJson(const ReportFrame& frame) {
                {"status", frame.status},
                {"tracked", frame.is_tracked},
                {"keyframe", frame.is_keyframe},
-               {"ms", frame.stage_ms}};
+               {"ms", Json::object()}};
+  // Microseconds are enough, and a third of the digits.
+  for (const auto& [stage, ms] : frame.stage_ms) json["ms"][stage] = std::round(ms * 1e3) / 1e3;
   if (!frame.is_tracked) return json;
   if (frame.points > 0) {  // a frame that begins a segment is not aligned to anything
     json["rms"] = frame.residual_rms;
@@ -178,6 +181,7 @@ Json ReportToJson(const RunReport& report) {
   Json json = {{"title", report.title},
                {"git_hash", report.git_hash},
                {"wall_seconds", report.wall_seconds},
+               {"processor_seconds", report.processor_seconds},
                {"peak_resident_mib", report.peak_resident_mib},
                {"options", report.options},
                {"camera", report.camera},

@@ -58,6 +58,7 @@ struct RunReport {
   std::string title;
   std::string git_hash;
   double wall_seconds = 0;
+  double processor_seconds = 0;
   double peak_resident_mib = 0;
   std::map<std::string, std::string> options;
   std::vector<std::pair<std::string, std::string>> camera;  // name (with unit) and value
@@ -65,7 +66,7 @@ struct RunReport {
   Trajectory trajectory;                                    // tracked frames
   // Of each of them the piece of the map it belongs to; empty: there is one.
   std::vector<int> pieces;
-  std::vector<ReportKeyframe> keyframes;  // in order of time
+  std::vector<ReportKeyframe> keyframes;  // in order of time; some may have no image and points
   std::vector<ReportCloudPoint> cloud;
   Trajectory groundtruth;                    // in its own world; empty: none
   std::optional<TrajectoryMetrics> metrics;  // of trajectory against groundtruth

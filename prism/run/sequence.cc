@@ -26,6 +26,8 @@ struct SharedVerdict {
 
 namespace {
 
+constexpr char kReadImage[] = "read image";
+
 struct BadOption {
   std::string name, found, expected;
 };
@@ -68,7 +70,7 @@ struct Layout {
   PlenopticCamera camera;
   std::string grid_report;
   std::vector<int64_t> times_ns;
-  std::function<LightFieldFrame(int file_index)> read;
+  std::function<LightFieldFrame(int file_index, StageTimer* timer)> read;
   std::shared_ptr<SharedVerdict> verdict = std::make_shared<SharedVerdict>();
 };
 
@@ -85,7 +87,7 @@ Layout OpenRgbd(const SequenceOptions& options) {
   Layout layout;
   layout.camera = reader->camera();
   layout.times_ns = TimesOf(*reader);
-  layout.read = [reader](int index) { return reader->Read(index); };
+  layout.read = [reader](int index, StageTimer* timer) { return reader->Read(index, timer); };
   return layout;
 }
 
@@ -95,7 +97,10 @@ Layout OpenFocused(const SequenceOptions& options) {
   Layout layout;
   layout.camera = camera;
   layout.times_ns = TimesOf(*reader);
-  layout.read = [reader](int index) { return reader->Read(index); };
+  layout.read = [reader](int index, StageTimer* timer) {
+    const StageTimer::Scope scope(timer, kReadImage);
+    return reader->Read(index);
+  };
   return layout;
 }
 
@@ -114,12 +119,21 @@ Layout OpenRaw(const SequenceOptions& options) {
   layout.camera = input.camera;
   layout.grid_report = input.grid_report;
   layout.times_ns = TimesOf(*reader);
-  layout.read = [reader, processor, verdict = layout.verdict](int index) {
-    LightFieldFrame frame = processor->Process(reader->Read(index));
-    const std::lock_guard<std::mutex> lock(verdict->mutex);
-    verdict->light_field.Add(frame.sigma, processor->noise(), processor->misfit());
-    return frame;
-  };
+  layout.read =
+      [reader, processor, verdict = layout.verdict, totals = std::map<std::string, double>()](
+          int index, StageTimer* timer) mutable {
+        RawFrame raw;
+        {
+          const StageTimer::Scope scope(timer, kReadImage);
+          raw = reader->Read(index);
+        }
+        LightFieldFrame frame = processor->Process(raw);
+        for (const auto& [stage, ms] : TakeNewTimes(processor->timer(), &totals))
+          timer->Add(stage, ms);
+        const std::lock_guard<std::mutex> lock(verdict->mutex);
+        verdict->light_field.Add(frame.sigma, processor->noise(), processor->misfit());
+        return frame;
+      };
   return layout;
 }
 
@@ -173,23 +187,30 @@ LightFieldVerdict Sequence::Verdict() const {
 void Sequence::ReadAhead() {
   while (pending_.size() < kAhead && next_to_read_ < size()) {
     const int index = start_frame_ + play_order_->file_index(next_to_read_++);
-    pending_.push_back(std::async(std::launch::async, [this, index] {
-      const std::lock_guard<std::mutex> lock(read_mutex_);
-      return read_(index);
-    }));
+    pending_.push_back(std::async(std::launch::async, [this, index] { return Read(index); }));
   }
+}
+
+Sequence::FrameRead Sequence::Read(int file_index) {
+  const std::lock_guard<std::mutex> lock(read_mutex_);
+  StageTimer timer;  // of its own: the caller may be looking at that of the frames before
+  FrameRead read;
+  read.frame = read_(file_index, &timer);
+  read.stage_ms = timer.Totals();
+  return read;
 }
 
 std::optional<LightFieldFrame> Sequence::Next() {
   ReadAhead();
   if (pending_.empty()) return std::nullopt;
-  std::future<LightFieldFrame> future = std::move(pending_.front());
+  std::future<FrameRead> future = std::move(pending_.front());
   pending_.pop_front();
   const int n = next_to_return_++;
-  LightFieldFrame frame = future.get();
-  frame.time_ns = play_order_->time_ns(n);
+  FrameRead read = future.get();
+  for (const auto& [stage, ms] : read.stage_ms) timer_.Add(stage, ms);
+  read.frame.time_ns = play_order_->time_ns(n);
   ReadAhead();
-  return frame;
+  return std::move(read.frame);
 }
 
 }  // namespace prism

@@ -5,11 +5,13 @@
 #include <deque>
 #include <functional>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "prism/base/stage_timer.h"
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/io/rgbd_to_plenoptic.h"
 #include "prism/lightfield/verdict.h"
@@ -80,24 +82,35 @@ class Sequence {
   // InputError if the frame cannot be read; the call after that goes on with the one behind it.
   std::optional<LightFieldFrame> Next();
 
+  // Times of reading and processing the frames that Next has returned, a duration a frame of each
+  // stage: "read image", of RGB-D frames "convert frame", of raw ones those of LightFieldProcessor.
+  const StageTimer& timer() const { return timer_; }
+
  private:
   static constexpr size_t kAhead = 3;  // frames
 
+  struct FrameRead {
+    LightFieldFrame frame;
+    std::map<std::string, double> stage_ms;
+  };
+
   void ReadAhead();
+  FrameRead Read(int file_index);
 
   std::string format_;
   PlenopticCamera camera_;
   std::string grid_report_;
   std::optional<PlayOrder> play_order_;
   int start_frame_ = 0;
-  std::function<LightFieldFrame(int file_index)> read_;
+  std::function<LightFieldFrame(int file_index, StageTimer* timer)> read_;
   std::shared_ptr<SharedVerdict> verdict_;  // of the frames that `read_` has read
 
   std::mutex read_mutex_;  // one frame at a time: raw frames share a processor
   int next_to_read_ = 0;
   int next_to_return_ = 0;
+  StageTimer timer_;
   // Destroyed first, which waits for the threads.
-  std::deque<std::future<LightFieldFrame>> pending_;
+  std::deque<std::future<FrameRead>> pending_;
 };
 
 }  // namespace prism

@@ -105,6 +105,25 @@ TEST(RgbdSequence, HolesOfTheDepthMapAreNotMeasured) {
   EXPECT_GT(frame.inverse_virtual_depth(10, 24), 0);
 }
 
+// The image in a hole of the depth map is where the depths beside it say.
+TEST(RgbdSequence, HolesAreResampledWithTheNearestDepth) {
+  const PlenopticCamera camera = PlenopticFromPinhole({64, 48, 60, 60, 32, 24}, Lens());
+  const PlenopticProjection projection(camera);
+  cv::Mat gray(48, 64, CV_8UC1), depth(48, 64, CV_32FC1, cv::Scalar(0.2));
+  for (int x = 0; x < 64; ++x) gray.col(x).setTo(4 * x);
+  depth.colRange(40, 64).setTo(3);
+  depth({10, 5, 40, 40}).setTo(0);
+  const LightFieldFrame frame = PlenopticFrameFromRgbd(camera, gray, depth, 0, 0, {});
+  const auto expected = [&](int x, double depth_m) {
+    const double scale = (projection.b_L0 + 2 * projection.B) * (1 / projection.f - 1 / depth_m);
+    return 4 * (projection.c.x() + scale * (x - projection.c.x()));
+  };
+  EXPECT_NEAR(frame.image[0](14, 24), expected(14, 0.2), 0.2);
+  EXPECT_NEAR(frame.image[0](46, 24), expected(46, 3), 0.2);
+  EXPECT_NEAR(frame.image[0](25, 6), expected(25, 0.2), 0.2);
+  EXPECT_GT(std::abs(expected(14, 0.2) - expected(14, 3)), 4);
+}
+
 TEST(RgbdSequence, BadFoldersAreNamedWithWhatWasExpected) {
   EXPECT_THAT(OpenError("no/such/folder"), AllOf(HasSubstr("no/such/folder"), HasSubstr("found")));
   const std::string empty = FreshFolder("empty");

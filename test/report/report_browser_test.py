@@ -101,6 +101,15 @@ def check_keyframes(page):
     check(page.wait_for(f"{shown} === '{last - 1}'"), "the key P does not go to a keyframe")
     page.press("n")
     check(page.wait_for(f"{shown} === '{last}'"), "the key N does not go to a keyframe")
+    # Keyframe 2 has no image: from 1 the way goes to 3, and back.
+    page.run("document.getElementById('keyframe_slider').value = 1;"
+             "document.getElementById('keyframe_slider').oninput("
+             "{target: document.getElementById('keyframe_slider')});")
+    check(page.wait_for(f"{shown} === '1'"), "the slider does not go to a keyframe")
+    page.press("n")
+    check(page.wait_for(f"{shown} === '3'"), "N does not go past a keyframe without image")
+    page.press("p")
+    check(page.wait_for(f"{shown} === '1'"), "P does not go past a keyframe without image")
     where = "return JSON.stringify(window.prismReport.view.screenPosition(0));"
     for key in (LEFT, UP, "+"):
         before = page.run(where)

@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kFrames = 228;
 constexpr int kKeyframeStep = 5;
+constexpr int kWithoutImage = 10;  // this frame's keyframe
 
 SE3 PoseAt(int i, double scale) {
   const double t = i / 30.0;
@@ -58,6 +59,7 @@ RunReport SampleReport() {
   report.title = "sample </script> & <run>";
   report.git_hash = "0123456789ab";
   report.wall_seconds = 10;
+  report.processor_seconds = 18;
   report.options = {{"sequence", "sample"}, {"threads", "2"}};
   report.camera = {{"focal length", "16.7 mm"}};
   for (int i = 0; i < kFrames; ++i) {
@@ -72,9 +74,15 @@ RunReport SampleReport() {
     frame.residual_rms = 5 + std::sin(0.1 * i);
     frame.points = 1500 + i;
     frame.brightness_a = 0.01 * std::sin(0.05 * i);
-    frame.stage_ms = {{"track", 12.5}, {"optimise", frame.is_keyframe ? 60.0 : 0.0}};
+    // More stages than there are colours, some of which begin late.
+    for (const char* stage : {"read image", "preparation", "depth", "focused image", "track"}) {
+      frame.stage_ms[stage] = 12 + std::sin(0.1 * i);
+    }
+    if (frame.is_keyframe) frame.stage_ms["optimise"] = 60;
+    if (i >= 50) frame.stage_ms["realign"] = 2;
     if (frame.is_tracked) report.trajectory.push_back({time_ns, PoseAt(i, 0.97)});
     if (frame.is_keyframe) report.keyframes.push_back(KeyframeAt(i, &generator));
+    if (i == kWithoutImage) report.keyframes.back().jpeg = "";
     report.frames.push_back(frame);
   }
   std::uniform_real_distribution<float> coordinate(-2, 2);

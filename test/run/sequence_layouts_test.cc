@@ -41,6 +41,7 @@ TEST(SequenceOfFocusedFrames, ComesBackAsWritten) {
   EXPECT_EQ(sequence.format(), "focused");
   EXPECT_EQ(sequence.camera().focused_width(), 32);
   for (const float value : {20.0f, 10.0f, 0.0f}) EXPECT_EQ(sequence.Next()->image[0](5, 5), value);
+  EXPECT_EQ(sequence.timer().Summarize().at("read image").count, 3);
 }
 
 TEST(SequenceOfRawFrames, IsTurnedIntoDepthAndFocusedImages) {
@@ -66,6 +67,10 @@ TEST(SequenceOfRawFrames, IsTurnedIntoDepthAndFocusedImages) {
     EXPECT_NEAR(measured[measured.size() / 2], 0.25 + 0.02 * i, 0.003);
   }
   EXPECT_FALSE(sequence.Next());
+  const auto stages = sequence.timer().Summarize();
+  EXPECT_GE(stages.size(), 4u) << "those of LightFieldProcessor, and reading";
+  for (const auto& [stage, times] : stages) EXPECT_EQ(times.count, 3) << stage;
+  EXPECT_EQ(stages.count("read image"), 1u);
 }
 
 long ThreadsOfThisProcess() {

@@ -83,6 +83,20 @@ TEST_F(SequenceOfRgbd, GivesTheFramesOfTheFolder) {
   EXPECT_FALSE(sequence.Next());
 }
 
+TEST_F(SequenceOfRgbd, TimesTheFramesThatWereReturned) {
+  Sequence sequence(options_);
+  EXPECT_THAT(sequence.timer().Summarize(), testing::IsEmpty());
+  for (int i = 1; i <= 2; ++i) {
+    ASSERT_TRUE(sequence.Next());
+    const auto stages = sequence.timer().Summarize();
+    ASSERT_EQ(stages.size(), 2u);
+    for (const char* stage : {"read image", "convert frame"}) {
+      EXPECT_EQ(stages.at(stage).count, i) << stage;
+      EXPECT_GT(stages.at(stage).total_ms, 0) << stage;
+    }
+  }
+}
+
 TEST_F(SequenceOfRgbd, PlaysAPieceOfTheFile) {
   options_.start_frame = 2;
   options_.max_frames = 3;

@@ -60,6 +60,8 @@ TEST(PrismVo, TracksARenderedSequenceInMetres) {
                           "camera",
                           "stages",
                           "wall_seconds",
+                          "processor_seconds",
+                          "processor_ms_per_frame",
                           "peak_resident_mib",
                           "status",
                           "segments",
@@ -67,6 +69,10 @@ TEST(PrismVo, TracksARenderedSequenceInMetres) {
     EXPECT_TRUE(run.contains(key)) << key;
   }
   EXPECT_EQ(run["options"]["seed"], "0");
+  for (const char* stage : {"read image", "convert frame", "track"}) {
+    EXPECT_GE(run["stages"][stage]["count"].get<int>(), 19) << stage;
+    EXPECT_THAT(Read(folder + "/out/report.html"), HasSubstr("\"" + std::string(stage) + "\":"));
+  }
   for (const char* name : {"trajectory.txt", "keyframes.txt", "points.ply"}) {
     EXPECT_GT(fs::file_size(folder + "/out/" + name), 100u) << name;
   }

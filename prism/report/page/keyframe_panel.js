@@ -47,7 +47,7 @@ function showKeyframe(keyframe, index, count, canvas, legend) {
   const colors = [0, 0.25, 0.5, 0.75, 1].map(depthColor).join(', ');
   legend.innerHTML = `<span>${index + 1} of ${count}, ${keyframe.t.toFixed(2)} s, ` +
       (keyframe.jpeg ? `${inverse.length} points</span>` :
-                       'its image came before this page; report.html will have it</span>');
+                       'no image of it here: it came before this page, or the run is long</span>');
   if (inverse.length) {
     legend.innerHTML += `<span class="scale">${(1 / near).toFixed(2)} m` +
         `<span class="bar" style="background: linear-gradient(to right, ${colors})"></span>` +

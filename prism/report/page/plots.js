@@ -7,12 +7,19 @@ function makePlots(container) {
       getComputedStyle(document.documentElement).getPropertyValue('--line').trim();
   const palette = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9'];
   const paletteDark = ['#56b4e9', '#f0a04b', '#2fc79a', '#e3a6c6', '#f0c75e', '#8fd0f5'];
+  // Once through the colours, lines are dashed.
+  const lines = labels => ({
+    labels: ['time (s)', ...labels],
+    colors: labels.map((_, i) => colors()[i % palette.length]),
+    series: Object.fromEntries(
+        labels.map((label, i) => [label, {strokePattern: i < palette.length ? null : [6, 3]}])),
+  });
   const isDark = window.matchMedia('(prefers-color-scheme: dark)');
   const colors = () => isDark.matches ? paletteDark : palette;
   isDark.addEventListener('change', () => {
     for (const {graph, labels} of Object.values(plots)) {
       graph.updateOptions({gridLineColor: gridColor(), axisLineColor: gridColor(),
-                           colors: colors().slice(0, labels.length)});
+                           ...lines(labels)});
     }
   });
 
@@ -27,7 +34,8 @@ function makePlots(container) {
   return function setPlot(name, title, labels, rows) {
     if (rows.length === 0) return;
     if (plots[name]) {
-      plots[name].graph.updateOptions({file: rows});
+      plots[name].labels = labels;
+      plots[name].graph.updateOptions({file: rows, ...lines(labels)});
       return;
     }
     const panel = document.createElement('section');
@@ -36,8 +44,7 @@ function makePlots(container) {
     panel.querySelector('h2').textContent = title;
     container.appendChild(panel);
     const graph = new Dygraph(panel.querySelector('.plot'), rows, {
-      labels: ['time (s)', ...labels],
-      colors: labels.map((_, i) => colors()[i % palette.length]),
+      ...lines(labels),
       xlabel: 'time (s)',
       xLabelHeight: 16,
       axisLabelFontSize: 12,

@@ -4,7 +4,7 @@
 (function() {
   const data = JSON.parse(document.getElementById('data').textContent);
   const get = id => document.getElementById(id);
-  const view = makeView3d(get('view3d'), select);
+  const view = makeView3d(get('view3d'), choose);
   const setPlot = makePlots(get('plots'));
   let selected = 0;
 
@@ -16,6 +16,14 @@
     view.select(selected, keyframe);
     showKeyframe(keyframe, selected, data.keyframes.length, get('keyframe_image'),
                  get('depth_legend'));
+  }
+
+  // A keyframe the reader asks for, or the next with a picture: in long runs not all have one.
+  function choose(index) {
+    const step = index < selected ? -1 : 1;
+    let shown = index;
+    while (data.keyframes[shown] && !data.keyframes[shown].jpeg) shown += step;
+    select(data.keyframes[shown] ? shown : index);
   }
 
   function median(values) {
@@ -69,6 +77,8 @@
     }
     if (data.wall_seconds > 0) {
       tiles.push([(data.frames.length / data.wall_seconds).toFixed(1), 'frames a second']);
+      tiles.push([(1000 * data.processor_seconds / data.frames.length).toFixed(0) + ' ms',
+                  'processor time a frame']);
       tiles.push([data.peak_resident_mib.toFixed(0) + ' MiB', 'peak memory']);
     }
     get('tiles').replaceChildren(...tiles.map(([value, name]) => {
@@ -85,9 +95,10 @@
     for (const frame of data.frames) {
       for (const [name, ms] of Object.entries(frame.ms)) (stages[name] = stages[name] || []).push(ms);
     }
-    fillTable(get('stages'), Object.entries(stages).map(([name, ms]) => [
-      name, ms.length, median(ms).toFixed(2), Math.max(...ms).toFixed(2),
-      ms.reduce((a, b) => a + b, 0).toFixed(0)]),
+    const total = ms => ms.reduce((a, b) => a + b, 0);
+    fillTable(get('stages'), Object.entries(stages).sort(([, a], [, b]) => total(b) - total(a)).map(
+        ([name, ms]) => [name, ms.length, median(ms).toFixed(2),
+                         ms.reduce((a, b) => Math.max(a, b)).toFixed(2), total(ms).toFixed(0)]),
               ['stage', 'frames', 'median ms', 'largest ms', 'total ms']);
     fillTable(get('metrics'), Object.entries(data.metrics || {}).filter(
         ([, value]) => typeof value !== 'object').map(([name, value]) => [name, value]));
@@ -145,9 +156,9 @@
     fill3d();
   }
 
-  get('previous_keyframe').onclick = () => select(selected - 1);
-  get('next_keyframe').onclick = () => select(selected + 1);
-  get('keyframe_slider').oninput = event => select(Number(event.target.value));
+  get('previous_keyframe').onclick = () => choose(selected - 1);
+  get('next_keyframe').onclick = () => choose(selected + 1);
+  get('keyframe_slider').oninput = event => choose(Number(event.target.value));
   get('reset_view').onclick = () => view.reset();
   for (const name of ['cloud', 'keyframes', 'groundtruth']) {
     get('show_' + name).onchange = event => view.setVisible(name, event.target.checked);
