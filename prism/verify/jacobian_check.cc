@@ -13,6 +13,7 @@
 #include "prism/factors/frame_manifold.h"
 #include "prism/factors/inverse_virtual_depth_term.h"
 #include "prism/factors/photometric.h"
+#include "prism/image/interpolation.h"
 #include "prism/solver/linear_prior.h"
 #include "prism/verify/autodiff_twins.h"
 #include "prism/verify/numeric.h"
