@@ -19,8 +19,10 @@ inline constexpr int kPatternRadius = 2;  // px
 
 // True if a pixel is white where something brighter than white is expected: it says nothing of by
 // how much. Intensities 0 to 255.
+inline constexpr double kWhite = 254;      // and above
+inline constexpr double kBrightest = 255;  // that can be seen
 inline bool IsClipped(double intensity, double expected) {
-  return intensity >= 254 && expected > 255;
+  return intensity >= kWhite && expected > kBrightest;
 }
 
 // The pattern around one pixel of its host frame.

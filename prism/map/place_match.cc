@@ -18,26 +18,26 @@ namespace {
 double LogGain(const TrackingReference& reference,
                const ImagePyramid& target,
                const SE3& target_from_reference) {
-  constexpr double kDark = 5, kWhite = 250;
+  constexpr double kDark = 5, kBright = 250;
   const size_t level = std::min<size_t>({2, reference.levels.size() - 1, target.size() - 1});
   const PlenopticProjection& camera = reference.cameras[level];
   const RigidMotion motion(target_from_reference);
   std::vector<double> gains;
-  for (const TrackingReference::Sample& sample : reference.levels[level]) {
-    const ReferencePoint& point = reference.points[sample.point];
+  ForEachPixel(reference.levels[level], [&](const ReferencePixel& pixel, size_t index) {
+    const ReferencePoint& point = reference.points[index];
     const Eigen::Vector2d px =
         (point.px.array() + 0.5) * std::ldexp(1.0, -static_cast<int>(level)) - 0.5;
     Eigen::Vector3d x_V;
     if (!ProjectBetweenFrames(camera, px, point.rho, motion, &x_V) ||
         !target[level].view().Contains(x_V.x(), x_V.y(), 1)) {
-      continue;
+      return;
     }
     const double now = InterpolateBilinear(target[level], x_V.x(), x_V.y()).value;
-    const double before = sample.pixel.intensity;
-    if (std::min(now, before) > kDark && std::max(now, before) < kWhite) {
+    const double before = pixel.intensity;
+    if (std::min(now, before) > kDark && std::max(now, before) < kBright) {
       gains.push_back(std::log(now / before));
     }
-  }
+  });
   return gains.empty() ? 0 : Quantile(gains, 0.5);
 }
 

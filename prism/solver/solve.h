@@ -10,8 +10,8 @@ namespace prism {
 
 struct SolveOptions {
   int max_iterations = 10;
-  double function_tolerance = 2e-3;  // relative fall of the cost below which it has converged
-  int threads = 2;                   // of the evaluation and the linear algebra
+  double function_tolerance = 1e-4;  // relative fall of the cost below which it has converged
+  int threads = 2;                   // of the evaluation; the result does not depend on it
 
   bool IsValid(std::string* error) const;
 };
@@ -26,9 +26,9 @@ struct SolveResult {
 };
 
 // Minimises the cost of all factors over all blocks that are not constant by Levenberg-Marquardt;
-// blocks of points are eliminated first (Schur complement). The values end up in the graph. Blocks
-// of points without a factor stay as they are. Jacobians of blocks that have a first estimate are
-// evaluated there.
+// points follow the other blocks (ReducedProblem). The values end up in the graph. Blocks of points
+// without a factor stay as they are. Jacobians of blocks that have a first estimate are evaluated
+// there. Precondition: a factor ties a block that is neither constant nor a point.
 SolveResult Solve(const SolveOptions& options, FactorGraph* graph);
 
 }  // namespace prism

@@ -56,14 +56,14 @@ int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
   return static_cast<int>(std::min(target.size(), reference.levels.size()));
 }
 
-// Projects the sample's point moved by a motion; false at or inside the focal length.
-bool ProjectSample(const TrackingReference::Sample& sample,
-                   double rho,
-                   const PlenopticProjection& camera,
-                   const RigidMotion& motion,
-                   Eigen::Vector2d* px) {
+// Projects the pixel's point moved by a motion; false at or inside the focal length.
+bool ProjectPixel(const ReferencePixel& sample,
+                  double rho,
+                  const PlenopticProjection& camera,
+                  const RigidMotion& motion,
+                  Eigen::Vector2d* px) {
   const double k = 1 - rho * camera.f;
-  const Eigen::Vector3d ray(sample.pixel.m.x() * k, sample.pixel.m.y() * k, 1);
+  const Eigen::Vector3d ray(sample.m.x() * k, sample.m.y() * k, 1);
   ScaledProjection::Pixel pixel;
   if (!ScaledProjection(camera).Project(motion.R * ray + rho * motion.t, rho, &pixel)) {
     return false;
@@ -79,18 +79,18 @@ void MeasureFlow(const TrackingReference& reference, FrameAlignmentResult* resul
   translation.t = motion.t;
   double sum = 0, translation_sum = 0;
   int count = 0;
-  for (const TrackingReference::Sample& sample : reference.levels[0]) {
-    const double rho = reference.points[sample.point].rho;
+  ForEachPixel(reference.levels[0], [&](const ReferencePixel& pixel, size_t point) {
+    const double rho = reference.points[point].rho;
     Eigen::Vector2d start, moved, shifted;
-    if (!ProjectSample(sample, rho, camera, RigidMotion(), &start) ||
-        !ProjectSample(sample, rho, camera, motion, &moved) ||
-        !ProjectSample(sample, rho, camera, translation, &shifted)) {
-      continue;
+    if (!ProjectPixel(pixel, rho, camera, RigidMotion(), &start) ||
+        !ProjectPixel(pixel, rho, camera, motion, &moved) ||
+        !ProjectPixel(pixel, rho, camera, translation, &shifted)) {
+      return;
     }
     sum += (moved - start).squaredNorm();
     translation_sum += (shifted - start).squaredNorm();
     ++count;
-  }
+  });
   if (count == 0) return;
   result->squared_flow = sum / count;
   result->squared_translation_flow = translation_sum / count;
@@ -126,7 +126,7 @@ std::vector<AlignmentState> RankStarts(const TrackingReference& reference,
   if (num_levels == 0 || reference.empty()) return {};
   const int level = num_levels - 1;
   const LevelAlignment problem(reference, target[level], level, noise, options.level);
-  const double num_samples = static_cast<double>(reference.levels[level].size());
+  const double num_samples = static_cast<double>(reference.levels[level].count);
   struct Fit {
     AlignmentState state;
     double expected_a;
@@ -174,15 +174,15 @@ double FlowBetween(const TrackingReference& reference, const SE3& left, const SE
   const RigidMotion motion_left(left), motion_right(right);
   double sum = 0;
   int count = 0;
-  for (const TrackingReference::Sample& sample : reference.levels.back()) {
-    const double rho = reference.points[sample.point].rho;
+  ForEachPixel(reference.levels.back(), [&](const ReferencePixel& pixel, size_t point) {
+    const double rho = reference.points[point].rho;
     Eigen::Vector2d px_left, px_right;
-    if (ProjectSample(sample, rho, camera, motion_left, &px_left) &&
-        ProjectSample(sample, rho, camera, motion_right, &px_right)) {
+    if (ProjectPixel(pixel, rho, camera, motion_left, &px_left) &&
+        ProjectPixel(pixel, rho, camera, motion_right, &px_right)) {
       sum += (px_left - px_right).squaredNorm();
       ++count;
     }
-  }
+  });
   return count > 0 ? std::ldexp(std::sqrt(sum / count), reference.NumLevels() - 1) : 0;
 }
 

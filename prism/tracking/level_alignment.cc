@@ -7,18 +7,52 @@
 
 #include <Eigen/Cholesky>
 
+#include "prism/tracking/alignment_kernel.h"
+
 namespace prism {
+
+namespace {
+
+size_t WholeBatches(size_t size) { return (size + kPixelBatch - 1) / kPixelBatch * kPixelBatch; }
+
+// The depths of a batch of pixels, one a pixel.
+void ExpandDepths(const std::vector<double>& rho, size_t first, int pixels_per_point, double* out) {
+  if (pixels_per_point == 1) {
+    std::copy_n(rho.data() + first, kPixelBatch, out);
+    return;
+  }
+  for (size_t i = 0; i < kPixelBatch; ++i) out[i] = rho[(first + i) / pixels_per_point];
+}
+
+// Adds `sign` times a sum of products of columns: 8 of the state, then the gradient.
+void Add(const Gram& gram,
+         double sign,
+         Eigen::Matrix<double, 8, 8>* H,
+         Eigen::Matrix<double, 8, 1>* g) {
+  const double* product = gram.data();
+  for (int row = 0; row < 8; ++row) {
+    for (int column = row; column < 8; ++column) {
+      (*H)(row, column) += sign * *product;
+      if (column > row) (*H)(column, row) += sign * *product;
+      ++product;
+    }
+    (*g)[row] += sign * *product++;
+  }
+}
+
+}  // namespace
 
 // Of half the energy, over [pose; a; b] and the inverse depth of each point.
 struct LevelAlignment::NormalEquations {
-  struct PointPart {
-    Vector8d H_state = Vector8d::Zero();
-    double H = 0;
-    double g = 0;
-  };
   Matrix8d H = Matrix8d::Zero();
   Vector8d g = Vector8d::Zero();
-  std::vector<PointPart> points;
+  std::vector<double> columns, H_points;  // see PointColumns
+
+  PointColumns Points(size_t stride) {
+    columns.resize(kNumColumns * stride, 0);
+    H_points.resize(stride, 0);
+    return {columns.data(), H_points.data(), stride};
+  }
 };
 
 LevelAlignment::LevelAlignment(const TrackingReference& reference,
@@ -29,95 +63,78 @@ LevelAlignment::LevelAlignment(const TrackingReference& reference,
                                double widening,
                                const PosePrior* prior)
     : reference_(reference),
-      samples_(reference.levels[level]),
+      level_(reference.levels[level]),
       camera_(reference.cameras[level]),
       image_(target_image),
       options_(options),
       prior_(prior),
       sigma_(noise.FitSigma()),
-      huber_threshold_(options.huber * sigma_),
-      outlier_threshold_(widening * options.outlier * sigma_) {}
-
-double LevelAlignment::RobustSquare(double magnitude) const {
-  const double huber = huber_threshold_;
-  if (!options_.robust || magnitude <= huber) return magnitude * magnitude;
-  return huber * (2 * magnitude - huber);
+      huber_threshold_(options.robust ? options.huber * sigma_ : INFINITY),
+      outlier_threshold_(widening * options.outlier * sigma_),
+      known_rho_(WholeBatches(reference.points.size()), 0),
+      prior_root_(known_rho_.size(), 0) {
+  for (size_t i = 0; i < reference.points.size(); ++i) {
+    const ReferencePoint& point = reference.points[i];
+    known_rho_[i] = point.rho;
+    if (point.rho_sigma > 0 && !point.is_excluded) prior_root_[i] = sigma_ / point.rho_sigma;
+  }
 }
 
 LevelCost LevelAlignment::Evaluate(const AlignmentState& state) const {
-  std::vector<double> rho;
-  for (const ReferencePoint& point : reference_.points) rho.push_back(point.rho);
-  return Evaluate(state, rho, nullptr);
+  return Evaluate(state, known_rho_, false, nullptr);
 }
 
 LevelCost LevelAlignment::Evaluate(const AlignmentState& state,
                                    const std::vector<double>& rho) const {
-  return Evaluate(state, rho, nullptr);
+  return Evaluate(state, rho, false, nullptr);
 }
 
 LevelCost LevelAlignment::Evaluate(const AlignmentState& state,
                                    const std::vector<double>& rho,
+                                   bool free_depths,
                                    NormalEquations* equations) const {
+  std::vector<double> rho_of_point = rho;
+  rho_of_point.resize(known_rho_.size(), 0);
+  for (size_t i = 0; i < reference_.points.size(); ++i) {
+    if (reference_.points[i].is_excluded) rho_of_point[i] = NAN;
+  }
+  PointColumns points = {nullptr, nullptr, known_rho_.size()};
+  if (equations != nullptr && free_depths) points = equations->Points(known_rho_.size());
+  const RelativeState relative{state.target_from_reference, std::exp(state.a), state.b};
+  const ReferencePixels& pixels = level_.pixels;
+  const bool is_pattern = level_.pixels_per_point > 1;
+  RobustSum sum;
+  Gram gram{};
+  PixelResiduals residuals;
+  alignas(64) double rho_of_pixel[kPixelBatch], weights[kPixelBatch];
+  for (size_t first = 0; first < pixels.size(); first += kPixelBatch) {
+    ExpandDepths(rho_of_point, first, level_.pixels_per_point, rho_of_pixel);
+    EvaluatePixels(
+        pixels, first, rho_of_pixel, relative, camera_, image_, equations != nullptr, &residuals);
+    WeighPixels(residuals,
+                pixels.weight() + first,
+                huber_threshold_,
+                outlier_threshold_,
+                equations != nullptr ? weights : nullptr,
+                &sum);
+    if (equations == nullptr) continue;
+    AddGram(residuals.rows[0], kPixelBatch, weights, kPixelBatch, &gram);
+    if (free_depths) {
+      SetPoints(residuals, weights, is_pattern, first / level_.pixels_per_point, points);
+    }
+  }
+  // In the unit of the residuals.
+  AddDepthPriors(rho_of_point.data(),
+                 known_rho_.data(),
+                 prior_root_.data(),
+                 options_.robust ? options_.depth_huber * sigma_ : INFINITY,
+                 points,
+                 &sum);
+  LevelCost cost = {sum.energy, static_cast<int>(sum.visible), static_cast<int>(sum.inliers)};
   if (equations != nullptr) {
     equations->H.setZero();
     equations->g.setZero();
-    equations->points.assign(reference_.points.size(), {});
-  }
-  LevelCost cost;
-  const RelativeState relative{state.target_from_reference, std::exp(state.a), state.b};
-  const ScaledProjection projection(camera_);
-  PixelResidual residual;
-  for (const TrackingReference::Sample& sample : samples_) {
-    if (reference_.points[sample.point].is_excluded || !EvaluatePixel(sample.pixel,
-                                                                      rho[sample.point],
-                                                                      relative,
-                                                                      projection,
-                                                                      camera_.f,
-                                                                      image_,
-                                                                      equations != nullptr,
-                                                                      &residual)) {
-      continue;
-    }
-    ++cost.visible;
-    const double r = residual.value;
-    const double magnitude = std::abs(r);
-    if (magnitude > outlier_threshold_) {
-      cost.energy += sample.pixel.weight * RobustSquare(outlier_threshold_);
-      continue;
-    }
-    ++cost.inliers;
-    cost.energy += sample.pixel.weight * RobustSquare(magnitude);
-    if (equations == nullptr) continue;
-    const double weight = options_.robust && magnitude > huber_threshold_
-                              ? sample.pixel.weight * huber_threshold_ / magnitude
-                              : sample.pixel.weight;
-    const Vector8d& J = residual.J_state;
-    const Vector8d weighted = weight * J;
-    // Upper triangle only.
-    for (int row = 0; row < 8; ++row) {
-      for (int column = row; column < 8; ++column) {
-        equations->H(row, column) += weighted[row] * J[column];
-      }
-    }
-    equations->g += weighted * r;
-    NormalEquations::PointPart& point = equations->points[sample.point];
-    point.H_state += weighted * residual.J_rho;
-    point.H += weight * residual.J_rho * residual.J_rho;
-    point.g += weight * residual.J_rho * r;
-  }
-  // The priors of the depths, in the unit of the residuals.
-  for (size_t i = 0; i < rho.size(); ++i) {
-    const ReferencePoint& point = reference_.points[i];
-    if (!(point.rho_sigma > 0) || point.is_excluded) continue;
-    const double root = sigma_ / point.rho_sigma;
-    const double r = root * (rho[i] - point.rho);
-    const double huber = options_.depth_huber * sigma_;
-    const bool is_linear = options_.robust && std::abs(r) > huber;
-    cost.energy += is_linear ? huber * (2 * std::abs(r) - huber) : r * r;
-    if (equations == nullptr) continue;
-    const double weight = is_linear ? huber / std::abs(r) : 1;
-    equations->points[i].H += weight * root * root;
-    equations->points[i].g += weight * root * r;
+    Add(gram, 1, &equations->H, &equations->g);
   }
   if (prior_ != nullptr) {
     const Vector6d step =
@@ -129,27 +146,31 @@ LevelCost LevelAlignment::Evaluate(const AlignmentState& state,
       equations->g.head<6>() += information * step;
     }
   }
-  if (equations != nullptr) {
-    equations->H.triangularView<Eigen::StrictlyLower>() = equations->H.transpose();
-  }
   return cost;
 }
 
-bool LevelAlignment::IsFree(size_t point, bool free_depths) const {
-  const ReferencePoint& known = reference_.points[point];
-  return free_depths && known.rho_sigma > 0 && !known.is_excluded;
+std::vector<double> LevelAlignment::EliminateDepths(const NormalEquations& equations,
+                                                    double lambda,
+                                                    Matrix8d* S,
+                                                    Vector8d* g) const {
+  std::vector<double> inverse(known_rho_.size(), 0);
+  for (size_t i = 0; i < inverse.size(); ++i) {
+    if (prior_root_[i] > 0) inverse[i] = 1 / ((1 + lambda) * equations.H_points[i]);
+  }
+  Gram eliminated{};
+  AddGram(equations.columns.data(), inverse.size(), inverse.data(), inverse.size(), &eliminated);
+  Add(eliminated, -1, S, g);
+  return inverse;
 }
 
 Matrix6d LevelAlignment::PoseInformation(const AlignmentState& state,
                                          const std::vector<double>& rho,
                                          bool free_depths) const {
   NormalEquations equations;
-  Evaluate(state, rho, &equations);
+  Evaluate(state, rho, free_depths, &equations);
   Matrix8d S = equations.H;
-  for (size_t i = 0; i < equations.points.size(); ++i) {
-    const NormalEquations::PointPart& point = equations.points[i];
-    if (IsFree(i, free_depths)) S -= point.H_state * (point.H_state.transpose() / point.H);
-  }
+  Vector8d g = equations.g;
+  if (free_depths) EliminateDepths(equations, 0, &S, &g);
   Matrix6d pose = S.topLeftCorner<6, 6>();
   if (options_.affine_brightness) {
     // Regularised: a level without a pixel in view says nothing of brightness.
@@ -169,13 +190,8 @@ bool LevelAlignment::Solve(const NormalEquations& equations,
   Vector8d g = equations.g;
   S.diagonal() *= 1 + lambda;
   S.diagonal().array() += 1e-9;
-  for (size_t i = 0; i < equations.points.size(); ++i) {
-    const NormalEquations::PointPart& point = equations.points[i];
-    if (!IsFree(i, free_depths)) continue;
-    const double inverse = 1 / ((1 + lambda) * point.H);
-    S.noalias() -= (inverse * point.H_state) * point.H_state.transpose();
-    g -= (inverse * point.g) * point.H_state;
-  }
+  std::vector<double> inverse;
+  if (free_depths) inverse = EliminateDepths(equations, lambda, &S, &g);
   if (!options_.affine_brightness) {
     S.rightCols<2>().setZero();
     S.bottomRows<2>().setZero();
@@ -183,11 +199,13 @@ bool LevelAlignment::Solve(const NormalEquations& equations,
     g.tail<2>().setZero();
   }
   *state_step = -S.ldlt().solve(g);
-  rho_step->assign(equations.points.size(), 0);
-  for (size_t i = 0; i < equations.points.size(); ++i) {
-    const NormalEquations::PointPart& point = equations.points[i];
-    if (!IsFree(i, free_depths)) continue;
-    (*rho_step)[i] = -(point.g + point.H_state.dot(*state_step)) / ((1 + lambda) * point.H);
+  rho_step->assign(reference_.points.size(), 0);
+  const size_t stride = inverse.size();
+  for (size_t i = 0; free_depths && i < rho_step->size(); ++i) {
+    const double* const column = equations.columns.data() + i;
+    double gradient = column[8 * stride];
+    for (int k = 0; k < 8; ++k) gradient += column[k * stride] * (*state_step)[k];
+    (*rho_step)[i] = -gradient * inverse[i];
   }
   return state_step->allFinite();
 }
@@ -195,7 +213,7 @@ bool LevelAlignment::Solve(const NormalEquations& equations,
 int LevelAlignment::Align(bool free_depths, AlignmentState* state, std::vector<double>* rho) const {
   const AlignmentState expected = *state;
   NormalEquations equations;
-  LevelCost cost = Evaluate(*state, *rho, &equations);
+  LevelCost cost = Evaluate(*state, *rho, free_depths, &equations);
   double lambda = 0.01;
   int iteration = 0;
   Vector8d step;
@@ -213,7 +231,7 @@ int LevelAlignment::Align(bool free_depths, AlignmentState* state, std::vector<d
     for (size_t i = 0; i < rho_candidate.size(); ++i) {
       if (rho_step[i] != 0) rho_candidate[i] = std::max(rho_candidate[i] + rho_step[i], 1e-4);
     }
-    const LevelCost candidate_cost = Evaluate(candidate, rho_candidate, nullptr);
+    const LevelCost candidate_cost = Evaluate(candidate, rho_candidate);
     // A step that throws points out of the image is no improvement.
     const bool better =
         candidate_cost.PerSample() < cost.PerSample() && candidate_cost.visible > cost.visible / 2;
@@ -222,7 +240,7 @@ int LevelAlignment::Align(bool free_depths, AlignmentState* state, std::vector<d
       *state = candidate;
       *rho = rho_candidate;
       lambda = std::max(lambda * 0.25, 1e-6);
-      cost = Evaluate(*state, *rho, &equations);
+      cost = Evaluate(*state, *rho, free_depths, &equations);
       if (gain < 1e-4) break;
     } else {
       if (lambda > 1e3) break;

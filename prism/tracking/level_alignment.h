@@ -71,11 +71,17 @@ class LevelAlignment {
   using Matrix8d = Eigen::Matrix<double, 8, 8>;
   struct NormalEquations;
 
+  // `equations` may be null; those of the points only if `free_depths`.
   LevelCost Evaluate(const AlignmentState& state,
                      const std::vector<double>& rho,
+                     bool free_depths,
                      NormalEquations* equations) const;
-  double RobustSquare(double magnitude) const;
-  bool IsFree(size_t point, bool free_depths) const;
+  // Subtracts what the points whose depth is known to some extent know of the state (Schur
+  // complement); returns 1 / ((1 + lambda) H) of each, 0 of the others.
+  std::vector<double> EliminateDepths(const NormalEquations& equations,
+                                      double lambda,
+                                      Matrix8d* S,
+                                      Vector8d* g) const;
   bool Solve(const NormalEquations& equations,
              double lambda,
              bool free_depths,
@@ -83,7 +89,7 @@ class LevelAlignment {
              std::vector<double>* rho_step) const;
 
   const TrackingReference& reference_;
-  const std::vector<TrackingReference::Sample>& samples_;
+  const TrackingReference::Level& level_;
   const PlenopticProjection& camera_;
   const ImageViewF image_;
   const LevelAlignmentOptions& options_;
@@ -91,6 +97,10 @@ class LevelAlignment {
   const double sigma_;              // intensities
   const double huber_threshold_;    // intensities
   const double outlier_threshold_;  // intensities
+  // Of each point, filled up to a batch: its depth as it is known, and sigma_ over the standard
+  // deviation of that; 0: known exactly, or excluded.
+  std::vector<double> known_rho_;
+  std::vector<double> prior_root_;
 };
 
 }  // namespace prism

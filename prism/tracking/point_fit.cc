@@ -3,9 +3,12 @@
 #include "prism/tracking/point_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "prism/image/patch.h"
 
 namespace prism {
 namespace {
@@ -40,27 +43,34 @@ PointFits JudgePoints(const TrackingReference& reference,
   std::vector<PatternSums> sums(reference.points.size());
   const RelativeState relative{state.target_from_reference, std::exp(state.a), state.b};
   const PlenopticProjection& camera = reference.cameras[0];
-  const ScaledProjection projection(camera);
-  PixelResidual residual;
-  for (const TrackingReference::Sample& sample : reference.levels[0]) {
-    if (!EvaluatePixel(sample.pixel,
-                       rho[sample.point],
-                       relative,
-                       projection,
-                       camera.f,
-                       target_image,
-                       /*with_jacobians=*/false,
-                       &residual)) {
-      continue;
+  const TrackingReference::Level& level = reference.levels[0];
+  PixelResiduals residuals;
+  std::array<double, kPixelBatch> rho_of;
+  for (size_t first = 0; first < level.pixels.size(); first += kPixelBatch) {
+    const auto point_of = [&](size_t i) { return (first + i) / kPatternSize; };
+    for (size_t i = 0; i < kPixelBatch; ++i) {
+      rho_of[i] = point_of(i) < rho.size() ? rho[point_of(i)] : 0;
     }
-    const double expected = relative.gain * sample.pixel.intensity;
-    PatternSums& point = sums[sample.point];
-    ++point.seen;
-    point.r += residual.value;
-    point.r2 += residual.value * residual.value;
-    point.weighted_r2 += sample.pixel.weight * residual.value * residual.value;
-    point.i += expected;
-    point.i2 += expected * expected;
+    EvaluatePixels(level.pixels,
+                   first,
+                   rho_of.data(),
+                   relative,
+                   camera,
+                   target_image,
+                   /*with_jacobians=*/false,
+                   &residuals);
+    for (size_t i = 0; i < kPixelBatch; ++i) {
+      if (residuals.seen[i] == 0) continue;
+      const double r = residuals.value()[i];
+      const double expected = relative.gain * level.pixels.intensity()[first + i];
+      PatternSums& point = sums[point_of(i)];
+      ++point.seen;
+      point.r += r;
+      point.r2 += r * r;
+      point.weighted_r2 += level.pixels.weight()[first + i] * r * r;
+      point.i += expected;
+      point.i2 += expected * expected;
+    }
   }
 
   constexpr int kCells = 8;  // across the image

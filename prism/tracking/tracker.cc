@@ -34,10 +34,10 @@ std::vector<double> Intensities(const ImagePyramid& image) {
 
 // By what the exposure has changed between two frames of much the same view; 1 if nothing tells.
 double ExposureRatio(const std::vector<double>& before, const std::vector<double>& now) {
-  constexpr double kDark = 5, kWhite = 250;
+  constexpr double kDark = 5, kBright = 250;
   std::vector<double> ratios;
   for (size_t i = 0; i < before.size(); ++i) {
-    if (std::min(before[i], now[i]) > kDark && std::max(before[i], now[i]) < kWhite) {
+    if (std::min(before[i], now[i]) > kDark && std::max(before[i], now[i]) < kBright) {
       ratios.push_back(now[i] / before[i]);
     }
   }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "prism/camera/plenoptic_camera.h"
-#include "prism/factors/pixel_residual.h"
+#include "prism/factors/pixel_residuals.h"
 #include "prism/image/pyramid.h"
 
 namespace prism {
@@ -22,16 +22,26 @@ struct ReferencePoint {
 
 // The reference keyframe as the tracker sees it; built once a keyframe by MakeTrackingReference.
 struct TrackingReference {
-  struct Sample {
-    ReferencePixel pixel;
-    int point;  // index into `points`; samples of a point follow each other
+  // The pixels of all points, point by point; places of pixels outside the image are empty.
+  struct Level {
+    ReferencePixels pixels;
+    int pixels_per_point = 1;  // 1 or kPatternSize
+    int count = 0;             // of pixels that are there
   };
   std::vector<ReferencePoint> points;
   std::vector<PlenopticProjection> cameras;  // one a level
-  std::vector<std::vector<Sample>> levels;   // level 0 finest
+  std::vector<Level> levels;                 // level 0 finest
   int NumLevels() const { return static_cast<int>(levels.size()); }
-  bool empty() const { return levels.empty() || levels[0].empty(); }
+  bool empty() const { return levels.empty() || levels[0].count == 0; }
 };
+
+// Calls visit(pixel, index of its point) for every pixel of a level.
+template <typename Visit>
+void ForEachPixel(const TrackingReference::Level& level, const Visit& visit) {
+  for (size_t i = 0; i < level.pixels.size(); ++i) {
+    if (level.pixels.Holds(i)) visit(level.pixels.at(i), i / level.pixels_per_point);
+  }
+}
 
 // Samples the reference image at the points on every level: the pattern of DSO on level 0, the
 // pixel alone on coarser levels. `image` is the reference keyframe's pyramid.

@@ -8,7 +8,7 @@
 #include <ceres/rotation.h>
 
 #include "prism/camera/projection.h"
-#include "prism/factors/pixel_residual.h"
+#include "prism/factors/pixel_residuals.h"
 #include "prism/image/image.h"
 #include "prism/image/patch.h"
 

@@ -13,6 +13,7 @@
 #include "prism/factors/frame_manifold.h"
 #include "prism/factors/inverse_virtual_depth_term.h"
 #include "prism/factors/photometric.h"
+#include "prism/image/interpolation.h"
 #include "prism/solver/linear_prior.h"
 #include "prism/verify/autodiff_twins.h"
 #include "prism/verify/numeric.h"
@@ -277,19 +278,25 @@ class Checker {
     FrameState relative(state.target.pose() * state.host.pose().Inverse(),
                         state.target.a() - state.host.a(),
                         state.target.b());
+    ReferencePixels pixels(1);
+    pixels.Set(0, pixel);
     const auto evaluate = [&](const FrameState& at, double rho) {
-      PixelResidual residual;
-      CHECK(EvaluatePixel(pixel,
-                          rho,
-                          {at.pose(), std::exp(at.a()), at.b()},
-                          ScaledProjection(camera_),
-                          camera_.f,
-                          image_,
-                          true,
-                          &residual));
-      return residual;
+      const std::vector<double> depths(kPixelBatch, rho);
+      PixelResiduals residuals;
+      EvaluatePixels(pixels,
+                     0,
+                     depths.data(),
+                     {at.pose(), std::exp(at.a()), at.b()},
+                     camera_,
+                     image_,
+                     true,
+                     &residuals);
+      CHECK_EQ(residuals.seen[0], 1);
+      return residuals;
     };
-    const PixelResidual analytic = evaluate(relative, state.rho);
+    const PixelResiduals analytic = evaluate(relative, state.rho);
+    Eigen::Matrix<double, 1, 8> J_state;
+    for (int k = 0; k < 8; ++k) J_state[k] = analytic.rows[k][0];
     const ceres::AutoDiffCostFunction<PixelTwin, 1, 9, 1> twin(
         new PixelTwin{&pixel, image_, &camera_});
     const Evaluation autodiff = Evaluate(twin, {relative.data(), &state.rho});
@@ -297,19 +304,18 @@ class Checker {
         [&](const Eigen::VectorXd& delta) -> Eigen::VectorXd {
           FrameState moved;
           FrameManifold().Plus(relative.data(), delta.data(), moved.data());
-          return Eigen::VectorXd::Constant(1, evaluate(moved, state.rho).value);
+          return Eigen::VectorXd::Constant(1, evaluate(moved, state.rho).value()[0]);
         },
         FrameState::kTangentSize);
     const Eigen::MatrixXd over_rho = NumericTangentJacobian(
         [&](const Eigen::VectorXd& delta) -> Eigen::VectorXd {
-          return Eigen::VectorXd::Constant(1, evaluate(relative, state.rho + delta(0)).value);
+          return Eigen::VectorXd::Constant(1, evaluate(relative, state.rho + delta(0)).value()[0]);
         },
         1);
-    RecordFrame(
-        "tracker", "target", analytic.J_state.transpose(), autodiff.jacobians[0], over_state);
+    RecordFrame("tracker", "target", J_state, autodiff.jacobians[0], over_state);
     Record("tracker",
            "inverse depth",
-           Eigen::MatrixXd::Constant(1, 1, analytic.J_rho),
+           Eigen::MatrixXd::Constant(1, 1, analytic.J_rho[0]),
            autodiff.jacobians[1],
            over_rho);
   }

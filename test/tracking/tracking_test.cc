@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "prism/image/interpolation.h"
 #include "prism/tracking/frame_alignment.h"
 #include "prism/tracking/keyframe_decision.h"
 #include "prism/tracking/tracker.h"
