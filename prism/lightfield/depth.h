@@ -51,7 +51,7 @@ struct DepthOptions {
 //    range (SweepInverseVirtualDepth) and the minimum refined by Gauss-Newton. Flat or double
 //    minima are dropped. From what is left over at all of them follows how well lenses can match in
 //    this frame (FitMisfit); seeds and all later estimates that match much worse are dropped.
-// 2. Nodes, every third pixel (depth_fusion.h), near seeds start from the mean of those that agree
+// 2. Nodes, every fourth pixel (depth_fusion.h), near seeds start from the mean of those that agree
 //    and are refined with lenses and mask held fixed.
 // 3. Nodes that a third of their neighbours contradict are dropped; the others become the mean of
 //    the neighbours that agree, and the pixels between them are interpolated. Neighbours share raw

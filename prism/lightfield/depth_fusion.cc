@@ -68,7 +68,7 @@ void FuseNeighbours(const ImageF& nodes,
 }
 
 void SpreadNodes(const ImageF& nodes, const ImageF& node_sigmas, ImageF* depth, ImageF* sigmas) {
-  constexpr float kLeastShare = 0.4f;  // that of the node beside a pixel in x and in y is 4/9
+  constexpr float kLeastShare = 0.26f;  // more than that of a node 3 px away
   tbb::parallel_for(0, depth->height(), [&](int y) {
     const Between v = BetweenNodes(y);
     for (int x = 0; x < depth->width(); ++x) {
