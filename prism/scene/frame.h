@@ -20,9 +20,9 @@ struct RawFrame {
 };
 
 // LightFieldFrame::depth_correlation_px where depth was found in micro images: patches of raw
-// pixels overlap, and neighbours are fused. Measured on rendered frames of a Raytrix R5, 4.8 with
-// one focal length and 5.5 with three (docs/depth.md).
-inline constexpr double kMicroImageDepthCorrelation = 5;
+// pixels overlap, and neighbours are fused. Measured on rendered frames of a Raytrix R5, with one
+// focal length and with three (docs/depth.md).
+inline constexpr double kMicroImageDepthCorrelation = 5.5;
 
 // What the odometry works on: the totally focused image and the inverse virtual depth on its grid.
 struct LightFieldFrame {
