@@ -53,10 +53,9 @@ DEFINE_int32(ping_pong,
              0,
              "Passes through the sequence, forwards and backwards in turn, times going on to rise; "
              "0: one.");
-DEFINE_int32(
-    threads,
-    2,
-    "Threads of the optimisation and of raw frames; 1 gives the same result byte for byte.");
+DEFINE_int32(threads,
+             2,
+             "Threads of the optimisation and of raw frames. The result does not depend on it.");
 DEFINE_uint64(seed, 0, "Seed of everything random.");
 DEFINE_double(rgbd_inverse_depth_sigma, 0.004, "Noise added to 1/v of RGB-D input; 0: clean.");
 DEFINE_int32(window_keyframes, 8, "Keyframes optimised together.");

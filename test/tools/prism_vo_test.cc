@@ -78,11 +78,11 @@ TEST(PrismVo, TracksARenderedSequenceInMetres) {
   }
 }
 
-TEST(PrismVo, TheSameCommandGivesTheSameTrajectory) {
+TEST(PrismVo, TheSameSeedGivesTheSameTrajectoryWithAnyNumberOfThreads) {
   const std::string folder = FreshFolder("run");
   WriteRgbdFolder(folder + "/sequence");
   ASSERT_EQ(RunVo(folder + "/sequence", folder + "/a", "--threads=1 --seed=7").exit_status, 0);
-  ASSERT_EQ(RunVo(folder + "/sequence", folder + "/b", "--threads=1 --seed=7").exit_status, 0);
+  ASSERT_EQ(RunVo(folder + "/sequence", folder + "/b", "--threads=2 --seed=7").exit_status, 0);
   ASSERT_EQ(RunVo(folder + "/sequence", folder + "/c", "--threads=1 --seed=8").exit_status, 0);
   const std::string trajectory = Read(folder + "/a/trajectory.txt");
   EXPECT_EQ(trajectory, Read(folder + "/b/trajectory.txt"));
