@@ -15,7 +15,14 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Weight of all rows over that of every second.
-constexpr float kCoarseRowsShare = 1.9176f;
+constexpr float CoarseRowsShare() {
+  float all = 0, coarse = 0;
+  for (int row = 0; row <= 2 * kPatchRadius; ++row) {
+    all += kPatchWeights[row];
+    if (row % 2 == 0) coarse += kPatchWeights[row];
+  }
+  return all / coarse;
+}
 
 template <class D>
 hn::Vec<D> LoadBlended(D d, const PatchSample& sample, int corner, std::ptrdiff_t offset) {
@@ -133,7 +140,8 @@ PatchSums SumCoarsePatchCostsImpl(const CoarseSample* samples, int count, std::p
     cost += hn::GetLane(hn::SumOfLanes(d, hn::Mul(column_weight, cost_sum)));
     freedom += hn::GetLane(hn::SumOfLanes(d, hn::Mul(column_weight, freedom_sum)));
   }
-  return {kCoarseRowsShare * cost, 0, 0, kCoarseRowsShare * freedom};
+  constexpr float kShare = CoarseRowsShare();
+  return {kShare * cost, 0, 0, kShare * freedom};
 }
 
 PatchSums SumPatchesImpl(const PatchSample* samples, int count, std::ptrdiff_t stride) {

@@ -5,9 +5,25 @@
 namespace prism {
 namespace {
 
-// Where a filter of the given strength leaves good pixels.
-const ImageF& ColoursFor(const PreparedRaw& raw, float blend) {
-  return blend > 0 ? raw.lens_colour_smoother : raw.lens_colour;
+// Where the patch around a view begins and how it is blurred.
+struct Placement {
+  float x, y;  // raw px
+  float blend;
+  const ImageF& colours;  // where a filter of that strength leaves good pixels
+  float colour;
+};
+
+Placement Place(const PreparedRaw& raw,
+                const LensTable& lenses,
+                const DefocusMatch& match,
+                const LensView& view) {
+  const Lens& lens = lenses.lenses()[view.lens];
+  const float blend = match.Blend(lens.type);
+  return {view.x - kPatchRadius,
+          view.y - kPatchRadius,
+          blend,
+          blend > 0 ? raw.lens_colour_smoother : raw.lens_colour,
+          static_cast<float>(lens.colour + 1)};
 }
 
 }  // namespace
@@ -19,18 +35,14 @@ void PlaceSamples(const PreparedRaw& raw,
                   int count,
                   PatchSample* samples) {
   for (int k = 0; k < count; ++k) {
-    const LensView& view = views[k];
-    const Lens& lens = lenses.lenses()[view.lens];
-    const float x = view.x - kPatchRadius;
-    const float y = view.y - kPatchRadius;
-    const float blend = match.Blend(lens.type);
+    const auto [x, y, blend, colours, colour] = Place(raw, lenses, match, views[k]);
     samples[k] = {raw.smooth.At(x, y),
                   blend > 0 ? raw.smoother.At(x, y) : HalfPixelImage::Cell{},
                   blend,
-                  ColoursFor(raw, blend).row(static_cast<int>(y)) + static_cast<int>(x),
-                  view.dx,
-                  view.dy,
-                  static_cast<float>(lens.colour + 1)};
+                  colours.row(static_cast<int>(y)) + static_cast<int>(x),
+                  views[k].dx,
+                  views[k].dy,
+                  colour};
   }
 }
 
@@ -42,17 +54,12 @@ void PlaceCoarseSamples(const PreparedRaw& raw,
                         CoarseSample* samples) {
   constexpr float kQuarter = 0.5f / HalfPixelImage::kStepsPerPixel;  // to the nearest half pixel
   for (int k = 0; k < count; ++k) {
-    const LensView& view = views[k];
-    const Lens& lens = lenses.lenses()[view.lens];
-    const float x = view.x - kPatchRadius;
-    const float y = view.y - kPatchRadius;
-    const float blend = match.Blend(lens.type);
-    const ImageF& colours = ColoursFor(raw, blend);
+    const auto [x, y, blend, colours, colour] = Place(raw, lenses, match, views[k]);
     samples[k] = {raw.smooth.Nearest(x, y),
                   blend > 0 ? raw.smoother.Nearest(x, y) : nullptr,
                   blend,
                   colours.row(static_cast<int>(y + kQuarter)) + static_cast<int>(x + kQuarter),
-                  static_cast<float>(lens.colour + 1)};
+                  colour};
   }
 }
 

@@ -157,6 +157,10 @@ void GrayRow(const cv::Mat& image, int y, float* gray) {
   }
 }
 
+void ApplyGain(const float* gain, int width, float* row) {
+  for (int x = 0; x < width; ++x) row[x] *= gain[x] > 0 ? gain[x] : 1.0f;
+}
+
 }  // namespace
 
 bool PreparationOptions::IsValid(std::string* error) const {
@@ -280,15 +284,9 @@ void RawPreparation::PrepareChannel(const cv::Mat& bgr, int channel, ImageF* cor
   if (corrected->empty()) *corrected = ImageF(bgr.cols, bgr.rows);
   cv::Mat values;
   cv::extractChannel(bgr, values, channel);
-  const float scale = bgr.depth() == CV_8U ? 1.0f : 1.0f / 257;
   tbb::parallel_for(0, bgr.rows, [&](int y) {
-    const float* gain = gain_.row(y);
-    float* row = corrected->row(y);
-    for (int x = 0; x < bgr.cols; ++x) {
-      const float value =
-          bgr.depth() == CV_8U ? values.at<uint8_t>(y, x) : values.at<uint16_t>(y, x);
-      row[x] = scale * value * (gain[x] > 0 ? gain[x] : 1.0f);
-    }
+    GrayRow(values, y, corrected->row(y));
+    ApplyGain(gain_.row(y), bgr.cols, corrected->row(y));
   });
 }
 
@@ -327,7 +325,7 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
         good[x] = is_good ? colour[x] : uint8_t{0};
       }
     }
-    for (int x = 0; x < width; ++x) gray[x] *= gain[x] > 0 ? gain[x] : 1.0f;
+    ApplyGain(gain, width, gray);
   });
   FilterHalfPixels(prepared->gray, &prepared->smooth);
   ForRowsAround(1, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
