@@ -7,6 +7,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "prism/factors/projection_jacobian-inl.h"
+
 #include <cstdint>
 #include <cstring>
 
@@ -122,21 +124,19 @@ void DifferentiatePatternImpl(const PatternGeometry& geometry,
     const auto Z = Coordinate(d, geometry, 2, i);
     const auto inverse_D = hn::Div(set(1), hn::Sub(Z, set(geometry.rho * geometry.f)));
     const auto alpha = hn::Mul(set(geometry.f_px), inverse_D);
-    // As ScaledProjection::PullBack, OverPose and OverInverseDepth.
-    const auto over_X = hn::Mul(hn::Load(d, samples.gradient_x + i), alpha);
-    const auto over_Y = hn::Mul(hn::Load(d, samples.gradient_y + i), alpha);
-    const auto over_Z = hn::Neg(hn::Mul(hn::MulAdd(over_X, X, hn::Mul(over_Y, Y)), inverse_D));
+    const auto gradient_x = hn::Load(d, samples.gradient_x + i);
+    const auto gradient_y = hn::Load(d, samples.gradient_y + i);
+    hn::Vec<Doubles> over_X, over_Y, over_Z;
+    PullBack(gradient_x, gradient_y, alpha, inverse_D, X, Y, over_X, over_Y, over_Z);
     const auto store = [&](int k, auto J) { hn::Store(J, d, derivatives->pose[k] + i); };
-    store(0, hn::Mul(rho, over_X));
-    store(1, hn::Mul(rho, over_Y));
-    store(2, hn::Mul(rho, over_Z));
-    store(3, hn::MulSub(Y, over_Z, hn::Mul(Z, over_Y)));
-    store(4, hn::MulSub(Z, over_X, hn::Mul(X, over_Z)));
-    store(5, hn::MulSub(X, over_Y, hn::Mul(Y, over_X)));
-    const auto dD = hn::Sub(Coordinate(d, d_geometry, 2, i), set(geometry.f));
-    auto J_rho = hn::Mul(over_Z, dD);
-    J_rho = hn::MulAdd(over_Y, Coordinate(d, d_geometry, 1, i), J_rho);
-    J_rho = hn::MulAdd(over_X, Coordinate(d, d_geometry, 0, i), J_rho);
+    StoreOverPose(over_X, over_Y, over_Z, X, Y, Z, rho, store);
+    const auto J_rho = OverInverseDepth(over_X,
+                                        over_Y,
+                                        over_Z,
+                                        Coordinate(d, d_geometry, 0, i),
+                                        Coordinate(d, d_geometry, 1, i),
+                                        Coordinate(d, d_geometry, 2, i),
+                                        set(geometry.f));
     hn::Store(J_rho, d, derivatives->rho + i);
   }
 }

@@ -7,6 +7,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "prism/factors/projection_jacobian-inl.h"
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -122,23 +124,17 @@ void Compare(const PixelBatch& batch,
     hn::Store(hn::IfThenElseZero(seen, hn::Sub(value, expected)), d, residuals->rows[8] + i);
     if (!with_jacobians) continue;
 
-    // As ScaledProjection::PullBack, OverPose and OverInverseDepth.
     const auto X = hn::Load(d, projected.X[0] + i);
     const auto Y = hn::Load(d, projected.X[1] + i);
     const auto Z = hn::Load(d, projected.X[2] + i);
     const auto inverse_D = hn::Load(d, projected.inverse_D + i);
     const auto alpha = hn::IfThenElseZero(seen, hn::Mul(set(batch.f_px), inverse_D));
     const auto dx = hn::MulAdd(fy, hn::Sub(dx_bottom, dx_top), dx_top);
-    const auto over_X = hn::Mul(dx, alpha), over_Y = hn::Mul(dy, alpha);
-    const auto over_Z = hn::Neg(hn::Mul(hn::MulAdd(over_X, X, hn::Mul(over_Y, Y)), inverse_D));
+    hn::Vec<decltype(d)> over_X, over_Y, over_Z;
+    PullBack(dx, dy, alpha, inverse_D, X, Y, over_X, over_Y, over_Z);
     const auto rho = hn::IfThenElseZero(seen, hn::LoadU(d, batch.rho + i));
     const auto store = [&](int k, auto J) { hn::Store(J, d, residuals->rows[k] + i); };
-    store(0, hn::Mul(rho, over_X));
-    store(1, hn::Mul(rho, over_Y));
-    store(2, hn::Mul(rho, over_Z));
-    store(3, hn::MulSub(Y, over_Z, hn::Mul(Z, over_Y)));
-    store(4, hn::MulSub(Z, over_X, hn::Mul(X, over_Z)));
-    store(5, hn::MulSub(X, over_Y, hn::Mul(Y, over_X)));
+    StoreOverPose(over_X, over_Y, over_Z, X, Y, Z, rho, store);
     store(6, hn::Neg(scaled));
     store(7, set(-1));
     // The pixel is held: dX / drho = t - f R [m; 0].
@@ -148,8 +144,8 @@ void Compare(const PixelBatch& batch,
       const auto from_y = hn::NegMulAdd(set(batch.f * batch.R[k][1]), m_y, set(batch.t[k]));
       return hn::NegMulAdd(set(batch.f * batch.R[k][0]), m_x, from_y);
     };
-    const auto over_z = hn::Mul(over_Z, hn::Sub(dX_drho(2), set(batch.f)));
-    const auto J_rho = hn::MulAdd(over_X, dX_drho(0), hn::MulAdd(over_Y, dX_drho(1), over_z));
+    const auto J_rho =
+        OverInverseDepth(over_X, over_Y, over_Z, dX_drho(0), dX_drho(1), dX_drho(2), set(batch.f));
     hn::Store(J_rho, d, residuals->J_rho + i);
   }
 }

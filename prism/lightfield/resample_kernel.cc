@@ -12,18 +12,21 @@ namespace prism {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The four pixels around each lane's position, and the colour of the first.
-template <class V>
-struct Neighbours {
-  V v00, v10, v01, v11, colour;
-};
-
-// The neighbours (x0, y0), (x0 + 1, y0), ... of every lane, from as many loads as there are rows if
-// they lie near enough to each other, as those of a run do where depth is smooth: gathers take some
-// four times as long. Lanes that are not `seen` get any values.
-template <class D, class VI, class M>
-Neighbours<hn::Vec<D>> LoadNeighbours(
-    D d, const ImageF& raw, const ImageF& colours, VI x0, VI y0, M seen) {
+// The pixels (x0, y0), (x0 + 1, y0), ... of every lane and the colour of the first, from as many
+// loads as there are rows if they lie near enough to each other, as those of a run do where depth
+// is smooth: gathers take some four times as long. Lanes that are not `seen` get any values.
+template <class D, class VI, class M, class V = hn::Vec<D>>
+HWY_INLINE void LoadNeighbours(D d,
+                               const ImageF& raw,
+                               const ImageF& colours,
+                               VI x0,
+                               VI y0,
+                               M seen,
+                               V& v00,
+                               V& v10,
+                               V& v01,
+                               V& v11,
+                               V& colour) {
   const hn::RebindToSigned<D> di;
   constexpr int kLanes = hn::MaxLanes(D());
   const int first_x =
@@ -39,20 +42,20 @@ Neighbours<hn::Vec<D>> LoadNeighbours(
     const auto right = hn::IndicesFromVec(d, hn::Add(here, hn::Set(di, 1)));
     const auto top = hn::LoadU(d, raw.row(first_y) + first_x);
     const auto bottom = hn::LoadU(d, raw.row(first_y + 1) + first_x);
-    const auto colour = hn::LoadU(d, colours.row(first_y) + first_x);
-    return {hn::TableLookupLanes(top, at),
-            hn::TableLookupLanes(top, right),
-            hn::TableLookupLanes(bottom, at),
-            hn::TableLookupLanes(bottom, right),
-            hn::TableLookupLanes(colour, at)};
+    v00 = hn::TableLookupLanes(top, at);
+    v10 = hn::TableLookupLanes(top, right);
+    v01 = hn::TableLookupLanes(bottom, at);
+    v11 = hn::TableLookupLanes(bottom, right);
+    colour = hn::TableLookupLanes(hn::LoadU(d, colours.row(first_y) + first_x), at);
+    return;
   }
   const auto index = hn::Add(hn::Mul(y0, hn::Set(di, raw.width())), x0);
   const float* below = raw.data() + raw.width();
-  return {hn::GatherIndex(d, raw.data(), index),
-          hn::GatherIndex(d, raw.data() + 1, index),
-          hn::GatherIndex(d, below, index),
-          hn::GatherIndex(d, below + 1, index),
-          hn::GatherIndex(d, colours.data(), index)};
+  v00 = hn::GatherIndex(d, raw.data(), index);
+  v10 = hn::GatherIndex(d, raw.data() + 1, index);
+  v01 = hn::GatherIndex(d, below, index);
+  v11 = hn::GatherIndex(d, below + 1, index);
+  colour = hn::GatherIndex(d, colours.data(), index);
 }
 
 void ResampleLensImpl(const Lens& lens,
@@ -89,11 +92,12 @@ void ResampleLensImpl(const Lens& lens,
     const auto y0 = hn::ConvertTo(di, y_safe);
     const auto fx = hn::Sub(x_safe, hn::ConvertTo(d, x0));
     const auto fy = hn::Sub(y_safe, hn::ConvertTo(d, y0));
-    const auto around = LoadNeighbours(d, raw, colours, x0, y0, hn::RebindMask(di, seen));
-    const auto top = hn::MulAdd(fx, hn::Sub(around.v10, around.v00), around.v00);
-    const auto bottom = hn::MulAdd(fx, hn::Sub(around.v11, around.v01), around.v01);
+    hn::Vec<decltype(d)> v00, v10, v01, v11, colour;
+    LoadNeighbours(d, raw, colours, x0, y0, hn::RebindMask(di, seen), v00, v10, v01, v11, colour);
+    const auto top = hn::MulAdd(fx, hn::Sub(v10, v00), v00);
+    const auto bottom = hn::MulAdd(fx, hn::Sub(v11, v01), v01);
     const auto value = hn::MulAdd(fy, hn::Sub(bottom, top), top);
-    const auto good = hn::Eq(around.colour, set(static_cast<float>(lens.colour + 1)));
+    const auto good = hn::Eq(colour, set(static_cast<float>(lens.colour + 1)));
     const auto inner = hn::NegMulAdd(squared, set(1 / (radius_px * radius_px)), set(1.001f));
     auto q = hn::Mul(hn::Mul(inner, inner), hn::Load(d, sharpness + lane));
     q = hn::Mul(q, hn::IfThenElse(good, one, set(1e-3f)));
