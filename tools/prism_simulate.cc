@@ -14,20 +14,24 @@
 #include "prism/base/error.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/trajectory_file.h"
+#include "prism/sim/board_views.h"
 #include "prism/sim/scene_file.h"
 #include "prism/sim/simulate_sequence.h"
 #include "tools/tool_main.h"
 
-DEFINE_string(scene, "room", "Built-in scene (room, facade, plane) or a YAML file");
+DEFINE_string(scene, "room", "Built-in scene (room, facade, plane, board) or a YAML file");
 DEFINE_string(camera, "", "Plenoptic camera with a micro-lens grid (calib/*.yaml)");
 DEFINE_string(micro_lens_grid, "", "Raytrix grid file, for a camera file without a grid");
-DEFINE_string(trajectory,
-              "loop",
-              "handheld, loop, rotation, forward, shake, or a TUM file (world_from_cam, z up)");
+DEFINE_string(
+    trajectory,
+    "loop",
+    "handheld, loop, rotation, forward, shake, views (still pictures of the board), or a TUM "
+    "file (world_from_cam, z up)");
 DEFINE_string(output_dir, "", "Folder of the sequence; made if absent, completed if not");
 DEFINE_int32(frames, 60, "Frames of a generated trajectory");
 DEFINE_double(rate_hz, 15, "Frames a second of a generated trajectory");
 DEFINE_double(extent_m, 0, "Size of a generated motion in m; 0: the scene's own");
+DEFINE_double(max_tilt_deg, 40, "Of --trajectory=views: largest tilt of the board");
 DEFINE_int32(crop_px, 0, "Side of a square cut from the middle of the sensor, raw px; 0: all");
 DEFINE_int32(samples, 4, "Rays a raw pixel");
 DEFINE_uint64(seed, 1, "Of samples, noise and generated motion");
@@ -113,13 +117,26 @@ PlenopticCamera ReadSimulatedCamera() {
   return FLAGS_crop_px == 0 ? camera : Crop(camera, FLAGS_crop_px);
 }
 
-CameraMotion ReadMotion(SimPath path) {
+CameraMotion ReadMotion(const PlenopticCamera& camera, SimPath path) {
+  if (!(FLAGS_extent_m >= 0 && FLAGS_extent_m < 1e6)) {
+    throw InputError("--extent_m", std::to_string(FLAGS_extent_m), "a size in m, or 0");
+  }
+  if (FLAGS_extent_m > 0) path.extent = FLAGS_extent_m;
+  if (FLAGS_trajectory == "views") {
+    BoardViewOptions options;
+    options.num_views = FLAGS_frames;
+    options.rate_hz = FLAGS_rate_hz;
+    options.seed = FLAGS_seed;
+    options.max_tilt_deg = FLAGS_max_tilt_deg;
+    RequireValid(options);
+    return GenerateBoardViews(options, camera, path);
+  }
   MotionOptions options;
   if (!ParseMotionKind(FLAGS_trajectory, &options.kind)) {
     if (!std::filesystem::exists(FLAGS_trajectory)) {
       throw InputError("--trajectory",
                        "'" + FLAGS_trajectory + "'",
-                       "handheld, loop, rotation, forward, shake or a file");
+                       "handheld, loop, rotation, forward, shake, views or a file");
     }
     return FollowTrajectory(ReadTrajectory(FLAGS_trajectory));
   }
@@ -127,10 +144,6 @@ CameraMotion ReadMotion(SimPath path) {
   options.rate_hz = FLAGS_rate_hz;
   options.seed = FLAGS_seed;
   RequireValid(options);
-  if (!(FLAGS_extent_m >= 0 && FLAGS_extent_m < 1e6)) {
-    throw InputError("--extent_m", std::to_string(FLAGS_extent_m), "a size in m, or 0");
-  }
-  if (FLAGS_extent_m > 0) path.extent = FLAGS_extent_m;
   return GenerateMotion(options, path);
 }
 
@@ -166,7 +179,7 @@ ExitStatus Run() {
   const SimulateOptions options = ReadOptions();
   const PlenopticCamera camera = ReadSimulatedCamera();
   const SimScene scene = ReadScene(FLAGS_scene);
-  const CameraMotion motion = ReadMotion(scene.path);
+  const CameraMotion motion = ReadMotion(camera, scene.path);
   SimulateSequence(scene,
                    camera,
                    motion,

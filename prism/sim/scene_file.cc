@@ -7,6 +7,7 @@
 #include <map>
 
 #include "prism/base/error.h"
+#include "prism/board/calibration_board.h"
 #include "prism/io/yaml_section.h"
 #include "prism/sim/built_in_scenes.h"
 #include "prism/sim/furniture.h"
@@ -127,6 +128,33 @@ void ReadQuad(YamlSection& object, Context* context) {
           MeshOf(texture.index, true, &context->scene));
 }
 
+// A board whose middle is at `position`, seen from -x; the world's z is up on it.
+void ReadCalibrationBoard(YamlSection& object, Context* context) {
+  constexpr int kSquarePx = 256;
+  CalibrationBoard board;
+  const auto pattern = object.ValueOr<std::string>("pattern", "charuco", "a pattern");
+  if (!ParseBoardPattern(pattern, &board.pattern)) {
+    throw InputError(context->path, "the pattern '" + pattern + "'", "charuco or checkerboard");
+  }
+  const std::array<int, 2> squares = object.Size("squares");
+  board.columns = squares[0];
+  board.rows = squares[1];
+  board.square_m = object.Value<double>("square_m", "the side of a square in m");
+  std::string error;
+  if (!board.IsValid(&error)) throw InputError(context->path, error, "a board");
+  // With a white margin of one square.
+  const double width = (board.columns + 2) * board.square_m;
+  const double height = (board.rows + 2) * board.square_m;
+  const Eigen::Vector3d middle =
+      object.Has("position") ? object.Vector<3>("position", kPosition) : Eigen::Vector3d::Zero();
+  context->scene.textures.emplace_back(DrawBoard(board, kSquarePx, kSquarePx));
+  AddQuad(middle + Eigen::Vector3d(0, width / 2, height / 2),
+          {0, -width, 0},
+          {0, 0, -height},
+          SurfaceStyle{},
+          MeshOf(static_cast<int>(context->scene.textures.size()) - 1, true, &context->scene));
+}
+
 void ReadBox(YamlSection& object, Context* context) {
   AddTexturedBox(PlacementOf(object),
                  object.Vector<3>("size", kSizeMetres),
@@ -227,18 +255,20 @@ void ReadFacade(YamlSection& object, Context* context) {
 
 void ReadObject(const YAML::Node& node, Context* context) {
   using Reader = void (*)(YamlSection&, Context*);
-  static const auto* readers = new std::map<std::string, Reader>{{"room", ReadRoom},
-                                                                 {"quad", ReadQuad},
-                                                                 {"box", ReadBox},
-                                                                 {"cylinder", ReadCylinder},
-                                                                 {"sphere", ReadSphere},
-                                                                 {"mesh", ReadMesh},
-                                                                 {"bookshelf", ReadBookshelf},
-                                                                 {"table", ReadTable},
-                                                                 {"chair", ReadChair},
-                                                                 {"sofa", ReadSofa},
-                                                                 {"plant", ReadPlant},
-                                                                 {"facade", ReadFacade}};
+  static const auto* readers =
+      new std::map<std::string, Reader>{{"room", ReadRoom},
+                                        {"quad", ReadQuad},
+                                        {"box", ReadBox},
+                                        {"calibration_board", ReadCalibrationBoard},
+                                        {"cylinder", ReadCylinder},
+                                        {"sphere", ReadSphere},
+                                        {"mesh", ReadMesh},
+                                        {"bookshelf", ReadBookshelf},
+                                        {"table", ReadTable},
+                                        {"chair", ReadChair},
+                                        {"sofa", ReadSofa},
+                                        {"plant", ReadPlant},
+                                        {"facade", ReadFacade}};
   YamlSection object(context->path, "objects", node);
   std::string expected = "one of";
   for (const auto& [kind, reader] : *readers) expected += " " + kind;
@@ -296,13 +326,15 @@ SimScene ReadRoot(const std::string& path, const YAML::Node& node) {
 
 }  // namespace
 
-std::vector<std::string> BuiltInScenes() { return {"facade", "plane", "room"}; }
+std::vector<std::string> BuiltInScenes() { return {"board", "facade", "plane", "room"}; }
 
 SimScene ReadScene(const std::string& name_or_path) {
   constexpr char kExpected[] = "a scene description in YAML";
   const auto read = [&](const YAML::Node& node) { return ReadRoot(name_or_path, node); };
-  const std::map<std::string, const char*> built_in = {
-      {"facade", kFacadeScene}, {"plane", kPlaneScene}, {"room", kRoomScene}};
+  const std::map<std::string, const char*> built_in = {{"board", kBoardScene},
+                                                       {"facade", kFacadeScene},
+                                                       {"plane", kPlaneScene},
+                                                       {"room", kRoomScene}};
   const auto found = built_in.find(name_or_path);
   SimScene scene = found != built_in.end()
                        ? ParseYamlText(name_or_path, found->second, kExpected, read)
