@@ -11,7 +11,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   libyaml-cpp-dev libpugixml-dev nlohmann-json3-dev
   libembree-dev libtbb-dev libhwy-dev libassimp-dev
-  libjs-three libjs-dygraphs libcpp-httplib-dev
+  libjs-three libjs-dygraphs libcpp-httplib-dev libcairo2-dev pkg-config
 )
 
 install_missing() {

@@ -70,12 +70,6 @@ void AddGroundtruth(const RunReport& report, Json* json) {
   (*json)["scale"] = SeriesToJson(ScaleOverTime(pairs));
 }
 
-void ReplaceOnce(const std::string& marker, const std::string& text, std::string* page) {
-  const size_t at = page->find(marker);
-  CHECK_NE(at, std::string::npos) << marker;
-  page->replace(at, marker.size(), text);
-}
-
 }  // namespace
 
 double ThumbnailFactor(int image_width, int max_width) {
@@ -202,14 +196,7 @@ Json ReportToJson(const RunReport& report) {
 std::string FormatReport(const RunReport& report, bool live) {
   Json json = ReportToJson(report);
   json["live"] = live;
-  // "</" would end the script element the data stand in.
-  std::string data = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (size_t at = data.find("</"); at != std::string::npos; at = data.find("</", at)) {
-    data.replace(at, 2, "<\\/");
-  }
-  std::string page = kReportPage;
-  ReplaceOnce("%REPORT_DATA%", data, &page);
-  return page;
+  return PageWithData(kReportPage, json);
 }
 
 void WriteReport(const std::string& path, const RunReport& report) {

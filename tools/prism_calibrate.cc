@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+// A camera's metric figures from pictures of a board.
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include <gflags/gflags.h>
+#include <opencv2/core/utility.hpp>
+
+#include "prism/base/error.h"
+#include "prism/base/version.h"
+#include "prism/calibration/board_observation.h"
+#include "prism/calibration/calibrate.h"
+#include "prism/io/camera_file.h"
+#include "prism/io/focused_sequence.h"
+#include "prism/lightfield/light_field_processor.h"
+#include "prism/run/raw_input.h"
+#include "tools/board_pdf.h"
+#include "tools/calibration_report.h"
+#include "tools/tool_main.h"
+
+DEFINE_string(sequence, "", "Folder of pictures of the board: raw.txt, or focused.txt.");
+DEFINE_string(board, "charuco", "charuco or checkerboard.");
+DEFINE_string(squares, "9x6", "Squares in a row x in a column, the outer ones counted.");
+DEFINE_double(square_mm, 40, "Side of a square, as measured on the board.");
+DEFINE_string(write_board, "", "Only write the board to print to this PDF file.");
+DEFINE_string(camera,
+              "",
+              "Camera file to start from: sizes, grid, f_L. Empty: --focal_length_mm and "
+              "--pixel_size_mm say enough.");
+DEFINE_double(focal_length_mm, 0, "What is engraved on the lens; 0: that of --camera is a guess.");
+DEFINE_double(pixel_size_mm, 0, "Of the sensor, where there is no --camera.");
+DEFINE_bool(hold_focal_length, false, "f_L stays as it is given.");
+DEFINE_double(sensor_mla_distance_mm, 0, "B, where it is known: it is held. 0: it is found.");
+DEFINE_string(distortion, "auto", "auto (what the pictures carry), none, radial or full.");
+DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
+DEFINE_string(white_image,
+              "",
+              "White image; empty: white.png of the folder, else found on the frames; none: frames "
+              "are taken as they are.");
+DEFINE_string(colour, "auto", "auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg.");
+DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
+DEFINE_int32(threads, 2, "Threads; 0: one a core. The result does not depend on it.");
+
+namespace prism {
+namespace {
+
+namespace fs = std::filesystem;
+
+CalibrationBoard ReadBoard() {
+  CalibrationBoard board;
+  if (!ParseBoardPattern(FLAGS_board, &board.pattern)) {
+    throw InputError("--board", "'" + FLAGS_board + "'", "charuco or checkerboard");
+  }
+  int used = 0;
+  if (std::sscanf(FLAGS_squares.c_str(), "%dx%d%n", &board.columns, &board.rows, &used) != 2 ||
+      used != static_cast<int>(FLAGS_squares.size())) {
+    throw InputError("--squares", "'" + FLAGS_squares + "'", "two numbers, such as 9x6");
+  }
+  board.square_m = 1e-3 * FLAGS_square_mm;
+  std::string error;
+  if (!board.IsValid(&error)) throw InputError("--squares, --square_mm", error, "a board");
+  return board;
+}
+
+CalibrateOptions ReadOptions() {
+  CalibrateOptions options;
+  options.focal_length_is_known = FLAGS_focal_length_mm > 0;
+  options.hold_focal_length = FLAGS_hold_focal_length;
+  options.hold_sensor_distance = FLAGS_sensor_mla_distance_mm > 0;
+  if (!ParseDistortionModel(FLAGS_distortion, &options.distortion)) {
+    throw InputError("--distortion", "'" + FLAGS_distortion + "'", "auto, none, radial or full");
+  }
+  options.threads = FLAGS_threads > 0 ? FLAGS_threads : cv::getNumberOfCPUs();
+  return options;
+}
+
+// What flags say of the lens goes before what the file says.
+void ApplyLensFlags(PlenopticCamera* camera) {
+  const double v_inf =
+      (camera->focal_length - camera->main_lens_mla_distance) / camera->sensor_mla_distance;
+  if (FLAGS_focal_length_mm > 0) camera->focal_length = 1e-3 * FLAGS_focal_length_mm;
+  if (FLAGS_sensor_mla_distance_mm > 0) {
+    camera->sensor_mla_distance = 1e-3 * FLAGS_sensor_mla_distance_mm;
+  }
+  camera->main_lens_mla_distance = camera->focal_length - v_inf * camera->sensor_mla_distance;
+}
+
+struct Pictures {
+  std::vector<BoardView> views;
+  PlenopticCamera camera;
+  std::string report;
+};
+
+Pictures ReadRawPictures(const CalibrationBoard& board) {
+  RawInput input = OpenRawInput({FLAGS_sequence,
+                                 FLAGS_camera,
+                                 FLAGS_micro_lens_grid,
+                                 FLAGS_white_image,
+                                 FLAGS_colour,
+                                 FLAGS_threads,
+                                 false});
+  Pictures pictures;
+  pictures.camera = input.camera;
+  pictures.report = input.grid_report;
+  LightFieldProcessor processor(input.camera, input.white, input.options);
+  for (int i = 0; i < input.sequence->size(); ++i) {
+    const RawFrame raw = input.sequence->Read(i);
+    const LightFieldFrame frame = processor.Process(raw);
+    BoardView view =
+        ObserveBoard(board, input.camera, frame, processor.dense_inverse_virtual_depth());
+    view.name = fs::path(raw.path).filename().string();
+    std::printf(
+        "%s: %zu of %d corners\n", view.name.c_str(), view.corners.size(), board.num_corners());
+    std::fflush(stdout);
+    pictures.views.push_back(std::move(view));
+  }
+  return pictures;
+}
+
+Pictures ReadFocusedPictures(const CalibrationBoard& board) {
+  Pictures pictures;
+  pictures.camera = ReadPlenopticCamera(FLAGS_camera);
+  const FocusedSequence sequence(FLAGS_sequence, pictures.camera);
+  for (int i = 0; i < sequence.size(); ++i) {
+    BoardView view = ObserveBoard(board, pictures.camera, sequence.Read(i), ImageF());
+    view.name = FrameFileName(i);
+    pictures.views.push_back(std::move(view));
+  }
+  return pictures;
+}
+
+ExitStatus WriteBoard(const CalibrationBoard& board) {
+  WriteBoardPdf(FLAGS_write_board, board);
+  std::cout << "board: " << FLAGS_write_board << std::endl;
+  return kExitDone;
+}
+
+ExitStatus Run() {
+  const CalibrationBoard board = ReadBoard();
+  if (!FLAGS_write_board.empty()) return WriteBoard(board);
+  RequireFlag("sequence", FLAGS_sequence, "a folder of pictures of the board");
+  RequireFlag("camera", FLAGS_camera, "a camera file to start from");
+  RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
+  const CalibrateOptions options = ReadOptions();
+  const Pictures pictures =
+      IsFocusedSequence(FLAGS_sequence) ? ReadFocusedPictures(board) : ReadRawPictures(board);
+  PlenopticCamera start = pictures.camera;
+  ApplyLensFlags(&start);
+  const CalibrationResult result = Calibrate(board, pictures.views, start, options);
+  std::cout << pictures.report << "\n";
+  const CalibrationReport report = MakeCalibrationReport(board, result, options.threads);
+  std::cout << report.text << std::flush;
+  if (!result.problem.empty()) {
+    throw InputError(FLAGS_sequence, result.problem, "pictures that determine the camera");
+  }
+  fs::create_directories(FLAGS_output_dir);
+  const fs::path output(FLAGS_output_dir);
+  WriteNativeCamera((output / "camera.yaml").string(), result.camera);
+  if (result.camera.focused_scale == 2) {
+    WriteLifcalCamera((output / "CameraModel.xml").string(), result.camera);
+  }
+  WriteCalibrationReport(FLAGS_output_dir, board, result, report);
+  std::cout << "results in " << FLAGS_output_dir << std::endl;
+  return kExitDone;
+}
+
+}  // namespace
+}  // namespace prism
+
+int main(int argc, char** argv) {
+  return prism::RunTool(
+      {"prism_calibrate",
+       "finds a plenoptic camera's metric figures on pictures of a board.",
+       "--sequence=FOLDER --camera=FILE --output_dir=FOLDER [--squares=9x6] [--square_mm=40]\n"
+       "       prism_calibrate --write_board=board.pdf [--squares=9x6] [--square_mm=40]",
+       "prism_calibrate --sequence=board_pictures --camera=calib/raytrix_r5_16mm.yaml "
+       "--output_dir=out/calibration"},
+      argc,
+      argv,
+      prism::Run);
+}
