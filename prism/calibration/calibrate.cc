@@ -15,8 +15,12 @@ namespace {
 constexpr double kLargestFocalSigma = 0.02;      // of f_L
 constexpr double kLargestSensorSigma = 0.05;     // of B
 constexpr double kLargestPrincipalSigma = 0.02;  // of the image width
-// A coefficient of distortion is carried by the data if it is this many of its standard deviations.
-constexpr double kSignificant = 5;
+// Distortion is carried by the data where its standard deviation is a displacement of so many raw
+// px at the rim of the image, that of the principal point beside it so many, and A1 so many of its
+// own.
+constexpr double kCarriedSigma = 0.5;
+constexpr double kPrincipalCarriedSigma = 4;
+constexpr double kSignificant = 4;
 constexpr double kOutlier = 6;          // standard deviations
 constexpr double kSmallestPxScale = 1;  // for that test, of the stated deviation of a corner
 
@@ -224,16 +228,25 @@ class Calibration {
       const CalibrationResult before = result_;
       for (const CameraParameter p : step) result_.held[p] = false;
       Adjust();
-      bool significant = false;
-      for (const CameraParameter p : step) {
-        significant = significant || std::abs(result_.state.camera[p] - before.state.camera[p]) >
-                                         kSignificant * Sigma(p);
-      }
-      const bool principal_is_known =
-          result_.held[kPrincipalX] || std::max(Sigma(kPrincipalX), Sigma(kPrincipalY)) <=
-                                           kLargestPrincipalSigma * start_.raw_width;
-      if (!significant || !principal_is_known) result_ = before;
+      if (!Carries(step)) result_ = before;
     }
+  }
+
+  // Whether the pictures tell coefficients that were just set free. Those they do tell stay free
+  // even where they are near 0: held, they would bend the other figures. A1 has to be there.
+  bool Carries(const std::vector<CameraParameter>& coefficients) const {
+    const double rim = 0.5 * start_.raw_width * start_.raw_pixel_size;
+    for (const CameraParameter p : coefficients) {
+      if (p == kRadial0 && !(Sigma(p) * std::pow(rim, 3) < kCarriedSigma * start_.raw_pixel_size)) {
+        return false;
+      }
+      if (p == kRadial1 && !(std::abs(result_.state.camera[p]) > kSignificant * Sigma(p))) {
+        return false;
+      }
+    }
+    // Tangential distortion and the principal point stand for each other in narrow views.
+    return result_.held[kPrincipalX] ||
+           std::max(Sigma(kPrincipalX), Sigma(kPrincipalY)) < kPrincipalCarriedSigma;
   }
 
   void RemoveOutliers() {

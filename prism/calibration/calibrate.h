@@ -13,7 +13,7 @@
 namespace prism {
 
 enum class DistortionModel {
-  kAuto,    // as many coefficients as the corners carry
+  kAuto,    // A0 and tangential ones if the pictures tell them, A1 if it is there
   kNone,    // none: those of the camera it starts with stay
   kRadial,  // A0, A1
   kFull,    // A0, A1, B0, B1
