@@ -19,7 +19,7 @@ constexpr double kLargestPrincipalSigma = 0.02;  // of the image width
 // px at the rim of the image, that of the principal point beside it so many, and A1 so many of its
 // own.
 constexpr double kCarriedSigma = 0.5;
-constexpr double kPrincipalCarriedSigma = 4;
+constexpr double kPrincipalCarriedSigma = 0.005;  // of the image width
 constexpr double kSignificant = 4;
 constexpr double kOutlier = 6;          // standard deviations
 constexpr double kSmallestPxScale = 1;  // for that test, of the stated deviation of a corner
@@ -109,6 +109,8 @@ class Calibration {
     if (!(sigma <= largest)) {
       held[kPrincipalX] = held[kPrincipalY] = true;
       result_.state = before;
+      result_.state.camera[kPrincipalX] = start_.raw_principal_point.x();
+      result_.state.camera[kPrincipalY] = start_.raw_principal_point.y();
       result_.findings.push_back(
           Format("principal point held: the pictures tell it to %.0f px only; tilted boards near "
                  "the rims of the image would",
@@ -178,8 +180,6 @@ class Calibration {
         StartCalibration(board_, start_, options_.hold_sensor_distance, &result_.views);
     if (state) result_.state = *state;
     Adjust();
-    if (!options_.hold_focal_length) result_.held[kPrincipalX] = result_.held[kPrincipalY] = false;
-    Adjust();
   }
 
   void CheckDistances() {
@@ -245,8 +245,8 @@ class Calibration {
       }
     }
     // Tangential distortion and the principal point stand for each other in narrow views.
-    return result_.held[kPrincipalX] ||
-           std::max(Sigma(kPrincipalX), Sigma(kPrincipalY)) < kPrincipalCarriedSigma;
+    return result_.held[kPrincipalX] || std::max(Sigma(kPrincipalX), Sigma(kPrincipalY)) <
+                                            kPrincipalCarriedSigma * start_.raw_width;
   }
 
   void RemoveOutliers() {

@@ -150,7 +150,7 @@ std::optional<CalibrationState> StartCalibration(const CalibrationBoard& board,
   state.depth_offsets.assign(views->size(), 0);
   PlenopticCamera current = camera;
   bool any = false;
-  for (int round = 0; round < 2; ++round) {  // poses know b_L0 + B, then v_inf and B
+  for (int round = 0; round < 4; ++round) {  // poses know b_L0 + B, then v_inf and B
     const double image_distance = current.main_lens_mla_distance + current.sensor_mla_distance;
     const double focal_px = image_distance / current.raw_pixel_size;
     const cv::Matx33d intrinsics(focal_px,
