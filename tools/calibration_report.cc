@@ -173,8 +173,7 @@ Plot DistanceErrorPlot(const CalibrationResult& result, const CalibrationReport&
 }  // namespace
 
 CalibrationReport MakeCalibrationReport(const CalibrationBoard& board,
-                                        const CalibrationResult& result,
-                                        int threads) {
+                                        const CalibrationResult& result) {
   CalibrationReport report;
   std::ostringstream text;
   Rows rows = {{"picture", "corners", "m", "tilt", "px rms", "1/v rms", "offset"}};
@@ -194,7 +193,7 @@ CalibrationReport MakeCalibrationReport(const CalibrationBoard& board,
     return report;
   }
   report.figures = FiguresOf(result);
-  report.left_out = LeaveOneOut(board, result, threads);
+  report.left_out = LeaveOneOut(board, result);
   text << FiguresTable(report.figures);
   text << "corners " << result.adjustment.corners << ", RMS " << Number(result.adjustment.px_rms, 3)
        << " raw px and " << Number(result.adjustment.depth_rms, 5)

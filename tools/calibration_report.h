@@ -20,8 +20,7 @@ struct CalibrationReport {
 };
 
 CalibrationReport MakeCalibrationReport(const CalibrationBoard& board,
-                                        const CalibrationResult& result,
-                                        int threads);
+                                        const CalibrationResult& result);
 
 // calibration.json, observations.csv, distance_error.svg and .png, report.html.
 void WriteCalibrationReport(const std::string& folder,

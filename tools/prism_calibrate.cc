@@ -6,16 +6,17 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <string>
 
 #include <gflags/gflags.h>
-#include <opencv2/core/utility.hpp>
 
 #include "prism/base/error.h"
 #include "prism/base/version.h"
 #include "prism/calibration/board_observation.h"
 #include "prism/calibration/calibrate.h"
 #include "prism/calibration/micro_image_views.h"
+#include "prism/calibration/recalibration.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
 #include "prism/io/image_file.h"
@@ -24,6 +25,7 @@
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/run/micro_lens_estimation.h"
 #include "prism/run/raw_input.h"
+#include "prism/run/sequence.h"
 #include "tools/board_pdf.h"
 #include "tools/calibration_report.h"
 #include "tools/tool_main.h"
@@ -49,6 +51,11 @@ DEFINE_string(image_size_px,
 DEFINE_bool(hold_focal_length, false, "f_L stays as it is given.");
 DEFINE_double(sensor_mla_distance_mm, 0, "B, where it is known: it is held. 0: it is found.");
 DEFINE_string(distortion, "auto", "auto (what the pictures carry), none, radial or full.");
+DEFINE_bool(recalibrate,
+            false,
+            "b_L0 from any moving sequence instead of pictures of a board, with f_L and B of "
+            "--camera held.");
+DEFINE_int32(max_frames, 0, "With --recalibrate: frames of the sequence; 0: all.");
 DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
 DEFINE_string(white_image,
               "",
@@ -96,7 +103,6 @@ CalibrateOptions ReadOptions() {
   if (!ParseDistortionModel(FLAGS_distortion, &options.distortion)) {
     throw InputError("--distortion", "'" + FLAGS_distortion + "'", "auto, none, radial or full");
   }
-  options.threads = FLAGS_threads > 0 ? FLAGS_threads : cv::getNumberOfCPUs();
   return options;
 }
 
@@ -253,9 +259,52 @@ ExitStatus WriteBoard(const CalibrationBoard& board) {
   return kExitDone;
 }
 
+void PrintPass(int number, const RecalibrationPass& pass) {
+  std::printf("pass %d: b_L0 moves by %+.2f um +- %.2f, %.0f %% of the frames tracked%s\n",
+              number,
+              1e6 * pass.moved_m,
+              1e6 * pass.sigma_m,
+              100 * pass.tracked,
+              pass.segments > 1 ? ", in several segments" : "");
+}
+
+ExitStatus RecalibrateOnly() {
+  RequireFlag("sequence", FLAGS_sequence, "a folder of a moving sequence");
+  RequireFlag("camera", FLAGS_camera, "the camera file to mend");
+  RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
+  SequenceOptions options;
+  options.sequence = FLAGS_sequence;
+  options.camera = FLAGS_camera;
+  options.micro_lens_grid = FLAGS_micro_lens_grid;
+  options.white_image = FLAGS_white_image;
+  options.colour = FLAGS_colour;
+  options.threads = FLAGS_threads;
+  options.max_frames = FLAGS_max_frames;
+  const PlenopticCamera camera = Sequence(options).camera();
+  const RecalibrationResult result = Recalibrate(camera, RecalibrationOptions(), [&] {
+    return [sequence = std::make_shared<Sequence>(options)] { return sequence->Next(); };
+  });
+  for (size_t i = 0; i < result.passes.size(); ++i) {
+    PrintPass(static_cast<int>(i) + 1, result.passes[i]);
+  }
+  if (!result.problem.empty()) {
+    throw InputError(FLAGS_sequence, result.problem, "a sequence that tells b_L0");
+  }
+  std::printf("b_L0 %.4f mm +- %.4f, was %.4f\n",
+              1e3 * result.camera.main_lens_mla_distance,
+              1e3 * result.sigma_m,
+              1e3 * camera.main_lens_mla_distance);
+  fs::create_directories(FLAGS_output_dir);
+  const std::string path = (fs::path(FLAGS_output_dir) / "camera.yaml").string();
+  WriteNativeCamera(path, result.camera);
+  std::cout << "written to " << path << std::endl;
+  return kExitDone;
+}
+
 ExitStatus Run() {
   const CalibrationBoard board = ReadBoard();
   if (!FLAGS_write_board.empty()) return WriteBoard(board);
+  if (FLAGS_recalibrate) return RecalibrateOnly();
   if (FLAGS_micro_image_corners.empty()) {
     RequireFlag("sequence", FLAGS_sequence, "a folder of pictures of the board");
   }
@@ -266,7 +315,7 @@ ExitStatus Run() {
   ApplyLensFlags(&start);
   const CalibrationResult result = Calibrate(board, pictures.views, start, options);
   if (!pictures.report.empty()) std::cout << pictures.report << "\n";
-  const CalibrationReport report = MakeCalibrationReport(board, result, options.threads);
+  const CalibrationReport report = MakeCalibrationReport(board, result);
   std::cout << report.text << std::flush;
   if (!result.problem.empty()) {
     throw InputError(FLAGS_sequence.empty() ? FLAGS_micro_image_corners : FLAGS_sequence,
@@ -294,6 +343,7 @@ int main(int argc, char** argv) {
        "--sequence=FOLDER --camera=FILE --output_dir=FOLDER [--squares=9x6] [--square_mm=40]\n"
        "       prism_calibrate --micro_image_corners=FILE --micro_image_centers=FILE "
        "--camera=FILE --output_dir=FOLDER\n"
+       "       prism_calibrate --recalibrate --sequence=FOLDER --camera=FILE --output_dir=FOLDER\n"
        "       prism_calibrate --write_board=board.pdf [--squares=9x6] [--square_mm=40]",
        "prism_calibrate --sequence=board_pictures --camera=calib/raytrix_r5_16mm.yaml "
        "--output_dir=out/calibration"},

@@ -357,7 +357,7 @@ AdjustmentResult AdjustCalibration(const CalibrationBoard& board,
     solver.linear_solver_type = ceres::DENSE_SCHUR;
     solver.max_num_iterations = options.max_iterations;
     solver.function_tolerance = 1e-8;
-    solver.num_threads = options.threads;
+    solver.num_threads = 1;  // the same bytes on every machine
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);

@@ -38,7 +38,6 @@ using ParameterFlags = std::array<bool, kNumCameraParameters>;
 
 struct AdjustmentOptions {
   ParameterFlags held{};  // camera parameters that stay as they are
-  int threads = 1;
   int max_iterations = 100;
   bool estimate_noise = true;
 };

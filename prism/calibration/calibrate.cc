@@ -74,7 +74,6 @@ class Calibration {
   void Adjust(bool estimate_noise = true) {
     AdjustmentOptions options;
     options.held = result_.held;
-    options.threads = options_.threads;
     options.estimate_noise = estimate_noise;
     result_.adjustment =
         AdjustCalibration(board_, result_.views, fixed_, options, &result_.noise, &result_.state);

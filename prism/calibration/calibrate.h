@@ -27,7 +27,6 @@ struct CalibrateOptions {
   bool hold_focal_length = false;
   bool hold_sensor_distance = false;  // B likewise
   DistortionModel distortion = DistortionModel::kAuto;
-  int threads = 1;
 };
 
 struct CornerResidual {

@@ -99,11 +99,9 @@ CameraFigures FiguresOf(const CalibrationResult& result) {
 }
 
 std::vector<LeftOutView> LeaveOneOut(const CalibrationBoard& board,
-                                     const CalibrationResult& result,
-                                     int threads) {
+                                     const CalibrationResult& result) {
   const FixedFigures fixed(result.camera);
   AdjustmentOptions options;
-  options.threads = threads;
   options.estimate_noise = false;
   std::vector<LeftOutView> left_out;
   for (size_t k = 0; k < result.views.size(); ++k) {

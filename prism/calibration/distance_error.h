@@ -38,7 +38,6 @@ struct LeftOutView {
   double sigma = 0;           // stated: calibration, depth offset of a view, noise of its corners
 };
 std::vector<LeftOutView> LeaveOneOut(const CalibrationBoard& board,
-                                     const CalibrationResult& result,
-                                     int threads);
+                                     const CalibrationResult& result);
 
 }  // namespace prism

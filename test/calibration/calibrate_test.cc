@@ -94,7 +94,7 @@ TEST(Calibrate, LeftOutViewsAreAsWrongAsStated) {
   for (uint32_t seed = 1; seed <= 4; ++seed) {
     const auto views = MakeViews(board, CameraToCalibrate(), SyntheticViews(), seed);
     const CalibrationResult result = Calibrate(board, views, Guess(), CalibrateOptions());
-    for (const LeftOutView& view : LeaveOneOut(board, result, 1)) {
+    for (const LeftOutView& view : LeaveOneOut(board, result)) {
       squares += std::pow(view.relative_error / view.sigma, 2);
       ++count;
     }
