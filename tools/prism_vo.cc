@@ -22,6 +22,7 @@
 #include "prism/report/live_view.h"
 #include "prism/report/run_report.h"
 #include "prism/run/sequence.h"
+#include "tools/export_recorder.h"
 #include "tools/report_recorder.h"
 #include "tools/run_output.h"
 #include "tools/run_record.h"
@@ -107,6 +108,10 @@ DEFINE_bool(
 DEFINE_string(map, "", "Folder of a map saved by an earlier run, to find this one in.");
 DEFINE_string(save_map, "", "Folder to save the map of this run to, for later runs.");
 DEFINE_int32(map_places, 200, "Views that are kept to be found again.");
+DEFINE_string(export,
+              "",
+              "Comma list of formats to write the run in beside ours: colmap, nerfstudio, kitti, "
+              "euroc, mcap, ply, dense.");
 DEFINE_int32(live, 0, "Port to show the run on in a browser while it goes on; 0: not shown.");
 DEFINE_string(live_address, "127.0.0.1", "Address to serve --live on.");
 
@@ -200,6 +205,7 @@ void ShowProgress(const RunRecord& record, const FrameResult& frame, int total, 
 ExitStatus Run() {
   const SequenceOptions sequence_options = SequenceOptionsFromFlags();
   const OdometryOptions odometry_options = OptionsFromFlags();
+  ExportRecorder exports(FLAGS_export);
   cv::setNumThreads(FLAGS_threads);
   Sequence sequence(sequence_options);
   std::cout << sequence.format() << " frames of " << FLAGS_sequence << "\n";
@@ -231,6 +237,7 @@ ExitStatus Run() {
     }
     record.frames.push_back(odometry.Process(std::move(*frame)));
     recorder.Add(record.frames.back(), odometry, sequence.timer());
+    exports.Add(record.frames.back(), odometry);
     if (live) live->Publish(recorder.TakeUpdate());
     ShowProgress(record, record.frames.back(), sequence.size(), seconds());
   }
@@ -247,6 +254,7 @@ ExitStatus Run() {
   record.depth_offset_prior_sigma = FLAGS_depth_offset_sigma;
 
   WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order());
+  std::cout << exports.Write(FLAGS_output_dir, odometry, sequence.play_order()) << std::flush;
   if (FLAGS_close_loops)
     WriteClosedMap(FLAGS_output_dir, odometry, sequence.play_order(), groundtruth);
   if (!FLAGS_save_map.empty()) SaveMap(FLAGS_save_map, odometry);

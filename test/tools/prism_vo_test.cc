@@ -206,6 +206,7 @@ TEST(PrismVo, BadInputExitsWithTwoAndLeavesNothingBehind) {
   expect_bad(RunVo(sequence, folder + "/out", "--pinhole=5"), "--pinhole: found '5'");
   expect_bad(RunVo(sequence, folder + "/out", "--start_frame=9"), "--start_frame");
   expect_bad(RunVo(sequence, folder + "/out", "--window_keyframes=1"), "1 keyframes");
+  expect_bad(RunVo(sequence, folder + "/out", "--export=kitti,film"), "--export: found 'film'");
   WriteFile(folder + "/blank.txt", "  \n");
   expect_bad(RunVo(sequence, folder + "/out", "--groundtruth=" + folder + "/blank.txt"),
              "blank.txt");
