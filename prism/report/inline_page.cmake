@@ -8,6 +8,8 @@ foreach(entry IN ITEMS
     "OrbitControls.js;${THREE_DIR}/examples/js/controls/OrbitControls.js"
     "dygraph.min.js;${DYGRAPHS_DIR}/dygraph.min.js"
     "view3d.js;${PAGE_DIR}/view3d.js"
+    "map2d.js;${PAGE_DIR}/map2d.js"
+    "downloads.js;${PAGE_DIR}/downloads.js"
     "keyframe_panel.js;${PAGE_DIR}/keyframe_panel.js"
     "plots.js;${PAGE_DIR}/plots.js"
     "report.js;${PAGE_DIR}/report.js")
