@@ -2,7 +2,8 @@
 # Installs the Debian packages PRISM-VO is built with, those that are missing only.
 # With everything in place it costs well under a second and needs no privileges.
 #   --with-browser   also Chromium (some 120 MB), which the tests of the report page drive
-#   --with-readers   also COLMAP and @mcap/core (some 40 MB), which the tests of the exports read with
+#   --with-readers   also COLMAP, @mcap/core, and OpenCV and matplotlib for Python (some 100 MB), which
+#                    the tests of the exports and of the Python module read and plot with
 # Without them these tests are skipped, or read with less.
 set -euo pipefail
 
@@ -42,7 +43,7 @@ for option in "$@"; do
       ;;
     --with-readers)
       readers="$(dirname "$0")/../test/export"
-      install_missing colmap
+      install_missing colmap python3-opencv python3-matplotlib
       command -v npm >/dev/null || install_missing nodejs npm
       # Without a network there is no reason to fail either.
       [ -d "$readers/node_modules/@mcap/core" ] ||
