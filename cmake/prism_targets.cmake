@@ -24,6 +24,11 @@ if(PRISM_SANITIZE)
   target_compile_definitions(prism_compile_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
 
+if(PRISM_BUILD_PYTHON)
+  # The libraries become part of a shared one; calls within a file are inlined as if they did not.
+  target_compile_options(prism_compile_options INTERFACE -fno-semantic-interposition)
+endif()
+
 # prism_module(name [NOT_INSTALLED] SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
 # A library prism::name of the folder's sources, or of headers alone if there are none. A module may
 # include only what it depends on here. Headers that are generated belong into
@@ -37,6 +42,9 @@ function(prism_module name)
   if(ARG_SOURCES)
     set(scope PUBLIC)
     add_library(${target} STATIC ${ARG_SOURCES})
+    if(PRISM_BUILD_PYTHON)
+      set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    endif()
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:prism_compile_options>)
   else()
     set(scope INTERFACE)

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # Installs the Debian packages PRISM-VO is built with, those that are missing only.
 # With everything in place it costs well under a second and needs no privileges.
-#   tools/install_deps.sh [--with-browser]   also Chromium (some 120 MB), which the tests of the
-#                                            report page drive; without it they are skipped
+#   --with-browser   also Chromium (some 120 MB), which the tests of the report page drive
+#   --with-readers   also COLMAP, @mcap/core, and OpenCV and matplotlib for Python (some 100 MB), which
+#                    the tests of the exports and of the Python module read and plot with
+# Without them these tests are skipped, or read with less.
 set -euo pipefail
 
 packages=(
@@ -12,6 +14,8 @@ packages=(
   libyaml-cpp-dev libpugixml-dev nlohmann-json3-dev
   libembree-dev libtbb-dev libhwy-dev libassimp-dev
   libjs-three libjs-dygraphs libcpp-httplib-dev libcairo2-dev pkg-config
+  libprotobuf-dev protobuf-compiler
+  pybind11-dev python3-dev python3-numpy
 )
 
 install_missing() {
@@ -30,8 +34,25 @@ install_missing() {
 }
 
 install_missing "${packages[@]}"
-if [ "${1:-}" = --with-browser ]; then
-  # Ubuntu has Chromium as a snap only: no reason to fail.
-  install_missing chromium chromium-driver ||
-    echo "no Chromium here: tests that need a browser will be skipped"
-fi
+for option in "$@"; do
+  case "$option" in
+    --with-browser)
+      # Ubuntu has Chromium as a snap only: no reason to fail.
+      install_missing chromium chromium-driver ||
+        echo "no Chromium here: tests that need a browser will be skipped"
+      ;;
+    --with-readers)
+      readers="$(dirname "$0")/../test/export"
+      install_missing colmap python3-opencv python3-matplotlib
+      command -v npm >/dev/null || install_missing nodejs npm
+      # Without a network there is no reason to fail either.
+      [ -d "$readers/node_modules/@mcap/core" ] ||
+        npm ci --silent --ignore-scripts --prefix "$readers" ||
+        echo "no @mcap/core here: MCAP files will be read with less"
+      ;;
+    *)
+      echo "install_deps.sh: found '$option', expected --with-browser or --with-readers" >&2
+      exit 2
+      ;;
+  esac
+done

@@ -12,9 +12,11 @@
 
 #include "prism/base/error.h"
 #include "prism/base/version.h"
+#include "prism/camera/projection.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
+#include "prism/io/image_file.h"
 #include "prism/lightfield/depth_accuracy.h"
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/lightfield/pinhole_view.h"
@@ -42,6 +44,10 @@ DEFINE_bool(focus_colour,
 DEFINE_string(output_dir, "", "Folder for the results; created if missing.");
 DEFINE_string(truth, "", "Folder with true inverse virtual depth, NNNNNN.png by frame number.");
 DEFINE_string(export_rgbd, "", "Folder for the pinhole view as TUM RGB-D; default: pinhole/.");
+DEFINE_bool(depth_tiff,
+            false,
+            "Measured depth as 32-bit float TIFF as well, depth_m/NNNNNN.tif: metres from the main "
+            "lens along the axis, 0 = none, on the grid of the focused images.");
 DEFINE_double(crop_fov_deg, 0, "Field of view the pinhole view is cropped to; 0: not cropped.");
 DEFINE_bool(
     estimate_grid,
@@ -147,12 +153,28 @@ void AddTruth(int frame, const LightFieldFrame& result, DepthAccuracyEvaluator* 
       depth, result.sigma, ReadInverseVirtualDepth(path.string(), depth.width(), depth.height()));
 }
 
+void WriteDepthTiff(int frame, const PlenopticCamera& camera, const ImageF& w) {
+  const PlenopticProjection projection(camera);
+  cv::Mat depth(w.height(), w.width(), CV_32FC1, cv::Scalar(0));
+  for (int y = 0; y < w.height(); ++y) {
+    for (int x = 0; x < w.width(); ++x) {
+      if (w(x, y) == 0) continue;
+      const double rho = InverseDepth(projection, w(x, y));
+      if (rho > 0) depth.at<float>(y, x) = static_cast<float>(1 / rho);
+    }
+  }
+  const std::filesystem::path folder = std::filesystem::path(FLAGS_output_dir) / "depth_m";
+  CreateDirectory(folder.string());
+  WriteImage((folder / FrameFileName(frame)).replace_extension(".tif").string(), depth);
+}
+
 ExitStatus ProcessSequence() {
   RequireFlag("raw", FLAGS_raw, "the folder of a raw sequence");
   RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
   cv::setNumThreads(FLAGS_threads > 0 ? FLAGS_threads : -1);
   RawInput input = OpenRawInput(InputOptions());
+  if (FLAGS_depth_tiff) RequireMetricDepth(input.camera, FLAGS_camera);
   ApplyFlags(&input.options);
   std::cout << input.grid_report << std::endl;
   if (!FLAGS_truth.empty() && !std::filesystem::is_directory(FLAGS_truth)) {
@@ -181,6 +203,7 @@ ExitStatus ProcessSequence() {
     if (i == 0) json["reprojection"] = ReprojectionToJson(processor, frame);
     verdict.Add(frame.sigma, processor.noise(), processor.misfit());
     writer.Write(frame);
+    if (FLAGS_depth_tiff) WriteDepthTiff(i, input.camera, frame.inverse_virtual_depth);
     pinhole.Write(frame.time_ns, WithThreads(FLAGS_threads, [&] {
                     return MakePinholeView(
                         input.camera, frame, processor.dense_inverse_virtual_depth());

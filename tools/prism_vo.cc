@@ -22,14 +22,30 @@
 #include "prism/report/live_view.h"
 #include "prism/report/run_report.h"
 #include "prism/run/sequence.h"
+#include "tools/export_recorder.h"
 #include "tools/report_recorder.h"
 #include "tools/run_output.h"
 #include "tools/run_record.h"
 #include "tools/tool_main.h"
 
 DEFINE_string(sequence, "", "Folder of the sequence (raw, focused or TUM RGB-D layout).");
-DEFINE_string(camera, "", "Camera file. For RGB-D input: the plenoptic camera to stand in for.");
-DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
+DEFINE_string(
+    camera,
+    "",
+    "Camera file; empty: camera.yaml or CameraModel.xml of the folder. For RGB-D input: the "
+    "plenoptic camera to stand in for; empty: a Raytrix R5 with 16 mm lens.");
+DEFINE_string(micro_lens_grid,
+              "",
+              "Raytrix RayCalibData file, if the camera file has no grid; empty: "
+              "MLA_Calibration.xml of the folder.");
+DEFINE_double(rate_hz,
+              0,
+              "Frames a second of raw frames without a list; 0: times in their names, else 10.");
+DEFINE_string(pinhole,
+              "",
+              "Camera of RGB-D input, fx,fy,cx,cy[,k1,k2,p1,p2[,k3]] in px, freiburg1, freiburg2, "
+              "freiburg3 or ros_default; empty: calibration.txt of the folder.");
+DEFINE_double(depth_factor, 5000, "Values of the depth images of RGB-D input a metre.");
 DEFINE_string(white_image,
               "",
               "White image of a raw sequence; empty: white.png of the folder, else found on the "
@@ -92,6 +108,10 @@ DEFINE_bool(
 DEFINE_string(map, "", "Folder of a map saved by an earlier run, to find this one in.");
 DEFINE_string(save_map, "", "Folder to save the map of this run to, for later runs.");
 DEFINE_int32(map_places, 200, "Views that are kept to be found again.");
+DEFINE_string(export,
+              "",
+              "Comma list of formats to write the run in beside ours: colmap, nerfstudio, kitti, "
+              "euroc, mcap, ply, dense.");
 DEFINE_int32(live, 0, "Port to show the run on in a browser while it goes on; 0: not shown.");
 DEFINE_string(live_address, "127.0.0.1", "Address to serve --live on.");
 
@@ -137,7 +157,6 @@ OdometryOptions OptionsFromFlags() {
 
 SequenceOptions SequenceOptionsFromFlags() {
   RequireFlag("sequence", FLAGS_sequence, "the folder of a sequence");
-  RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
   SequenceOptions options;
   options.sequence = FLAGS_sequence;
@@ -154,6 +173,9 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.ping_pong = FLAGS_ping_pong;
   options.rgbd.inverse_depth_sigma = FLAGS_rgbd_inverse_depth_sigma;
   options.rgbd.seed = FLAGS_seed;
+  options.rate_hz = FLAGS_rate_hz;
+  options.pinhole = FLAGS_pinhole;
+  options.depth_factor = FLAGS_depth_factor;
   return options;
 }
 
@@ -183,9 +205,11 @@ void ShowProgress(const RunRecord& record, const FrameResult& frame, int total, 
 ExitStatus Run() {
   const SequenceOptions sequence_options = SequenceOptionsFromFlags();
   const OdometryOptions odometry_options = OptionsFromFlags();
+  ExportRecorder exports(FLAGS_export);
   cv::setNumThreads(FLAGS_threads);
   Sequence sequence(sequence_options);
-  if (!sequence.grid_report().empty()) std::cout << sequence.grid_report() << std::endl;
+  std::cout << sequence.format() << " frames of " << FLAGS_sequence << "\n";
+  for (const std::string& line : sequence.input_report()) std::cout << "  " << line << "\n";
   const Trajectory groundtruth = sequence.play_order().AsPlayed(ReadGroundTruth());
   std::vector<MappedPlace> places;
   if (!FLAGS_map.empty()) places = ReadMap(FLAGS_map, PlenopticProjection(sequence.camera()));
@@ -194,9 +218,10 @@ ExitStatus Run() {
 
   RunRecord record;
   record.options = EffectiveOptions();
-  record.camera_path = FLAGS_camera;
+  record.camera_path = sequence.camera_path();
   record.camera = sequence.camera();
   record.sequence_format = sequence.format();
+  record.input_report = sequence.input_report();
   ReportRecorder recorder;
   const std::unique_ptr<LiveView> live = StartLiveView(record);
   const double processor_start = ProcessorSeconds();
@@ -212,6 +237,7 @@ ExitStatus Run() {
     }
     record.frames.push_back(odometry.Process(std::move(*frame)));
     recorder.Add(record.frames.back(), odometry, sequence.timer());
+    exports.Add(record.frames.back(), odometry);
     if (live) live->Publish(recorder.TakeUpdate());
     ShowProgress(record, record.frames.back(), sequence.size(), seconds());
   }
@@ -228,6 +254,7 @@ ExitStatus Run() {
   record.depth_offset_prior_sigma = FLAGS_depth_offset_sigma;
 
   WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order());
+  std::cout << exports.Write(FLAGS_output_dir, odometry, sequence.play_order()) << std::flush;
   if (FLAGS_close_loops)
     WriteClosedMap(FLAGS_output_dir, odometry, sequence.play_order(), groundtruth);
   if (!FLAGS_save_map.empty()) SaveMap(FLAGS_save_map, odometry);

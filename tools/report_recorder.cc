@@ -156,6 +156,7 @@ RunReport DescribeRun(const RunRecord& record) {
   }
   report.git_hash = GitRevision();
   report.options = record.options;
+  report.notes = record.input_report;
   report.camera = DescribeCamera(record);
   return report;
 }

@@ -197,6 +197,7 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["options"] = record.options;
   json["camera"] = CameraToJson(record.camera_path, record.camera);
   json["format"] = record.sequence_format;
+  json["input"] = record.input_report;
   if (!record.light_field.empty()) json["light_field"] = VerdictToJson(record.light_field);
   json["frame_count"] = record.frames.size();
   json["tracked_count"] = tracked;

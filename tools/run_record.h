@@ -22,7 +22,8 @@ struct RunRecord {
   std::string camera_path;
   PlenopticCamera camera;
   std::string sequence_format;
-  LightFieldVerdict light_field;  // of raw sequences
+  std::vector<std::string> input_report;  // what was found and assumed (Sequence)
+  LightFieldVerdict light_field;          // of raw sequences
   std::vector<FrameResult> frames;
   Trajectory trajectory;  // of the tracked ones, as known at the end; times as in `frames`
   std::map<int, int> piece_of_segment;  // of the map, at the end (Map)

@@ -57,7 +57,10 @@ void CreateDirectory(const std::string& path) {
 std::string ReadTextFile(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || fs::is_directory(path)) throw InputError(path, "no readable file", "a file");
-  return std::string(std::istreambuf_iterator<char>(stream), {});
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";  // Windows editors put it there
+  if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, 3);
+  return text;
 }
 
 }  // namespace prism

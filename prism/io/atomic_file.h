@@ -23,7 +23,7 @@ std::string InFolder(const std::string& folder, const std::string& name);
 // Creates a directory with its parents. Throws InputError if that cannot be done.
 void CreateDirectory(const std::string& path);
 
-// The whole file. Throws InputError if it cannot be read.
+// The whole file, without a byte-order mark. Throws InputError if it cannot be read.
 std::string ReadTextFile(const std::string& path);
 
 }  // namespace prism

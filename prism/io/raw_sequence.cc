@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "prism/base/error.h"
 #include "prism/io/image_file.h"
-#include "prism/io/time_list.h"
 
 namespace prism {
 namespace {
@@ -24,20 +24,14 @@ void RequireRawType(const std::string& path, const cv::Mat& image) {
 
 }  // namespace
 
-RawSequence::RawSequence(const std::string& folder, const PlenopticCamera& camera, int channels)
+RawSequence::RawSequence(const std::string& folder,
+                         const PlenopticCamera& camera,
+                         int channels,
+                         double rate_hz)
     : folder_(folder), width_(camera.raw_width), height_(camera.raw_height), channels_(channels) {
-  const std::filesystem::path root(folder);
-  const std::string list = (root / "raw.txt").string();
-  for (const TimedLine& line : ReadTimeList(list, 1)) {
-    const std::string path = (root / line.words[0]).string();
-    if (!std::filesystem::is_regular_file(path)) {
-      throw InputError(list + ":" + std::to_string(line.line_number),
-                       "'" + line.words[0] + "', which does not exist",
-                       "a raw image");
-    }
-    entries_.push_back({line.time_ns, path});
-  }
-  if (entries_.empty()) throw InputError(list, "no frames", "a line `time path` a frame");
+  FrameFiles files = FindFrameFiles(folder, rate_hz);
+  files_ = std::move(files.frames);
+  source_ = std::move(files.source);
 }
 
 std::vector<RawFrame> RawSequence::ReadSome(int max_frames) const {
@@ -54,7 +48,7 @@ std::vector<cv::Mat> ImagesOf(const std::vector<RawFrame>& frames) {
 }
 
 RawFrame RawSequence::Read(int index) const {
-  const Entry& entry = entries_[index];
+  const FrameFile& entry = files_[index];
   RawFrame frame;
   frame.time_ns = entry.time_ns;
   frame.path = entry.path;
@@ -71,8 +65,11 @@ RawFrame RawSequence::Read(int index) const {
 }
 
 std::string RawSequence::WhiteImagePath() const {
-  const std::filesystem::path path = std::filesystem::path(folder_) / "white.png";
-  return std::filesystem::is_regular_file(path) ? path.string() : "";
+  for (const char* name : {"white.png", "white.tif", "white.tiff", "white.bmp", "white.jpg"}) {
+    const std::string path = FindFile(folder_, name);
+    if (!path.empty()) return path;
+  }
+  return "";
 }
 
 cv::Mat ReadWhiteImage(const std::string& path, const PlenopticCamera& camera) {

@@ -9,25 +9,33 @@
 #include <opencv2/core/mat.hpp>
 
 #include "prism/camera/plenoptic_camera.h"
+#include "prism/io/frame_files.h"
 #include "prism/scene/frame.h"
 
 namespace prism {
 
-// A folder of raw plenoptic frames: `raw.txt` (time path a line), images of 8 or 16 bits, gray,
-// Bayer or colour, and optionally `white.png`.
+// A folder of raw plenoptic frames: those that FindFrameFiles finds (`raw.txt`, or what lies
+// there), images of 8 or 16 bits, gray, Bayer or colour, and optionally `white.png` (.tif, .bmp,
+// .jpg).
 //
-// Throws InputError: no such folder or list, an empty list, times that do not increase, a file that
-// is missing; on Read an image that does not decode, is of another size than the camera's raw image
-// or has another number of channels than declared (a colour image where gray or a Bayer pattern
-// is).
+// Throws InputError: no such folder or frames, an empty list, times that do not increase, a file
+// that is missing; on Read an image that does not decode, is of another size than the camera's raw
+// image or has another number of channels than declared (a colour image where gray or a Bayer
+// pattern is).
 class RawSequence {
  public:
-  // `channels`: 1 (gray or Bayer) or 3 (colour) of every image; 0: either.
-  RawSequence(const std::string& folder, const PlenopticCamera& camera, int channels = 0);
+  // `channels`: 1 (gray or Bayer) or 3 (colour) of every image; 0: either. `rate_hz`: of frames
+  // without a list; 0: as FindFrameFiles says.
+  RawSequence(const std::string& folder,
+              const PlenopticCamera& camera,
+              int channels = 0,
+              double rate_hz = 0);
 
-  int size() const { return static_cast<int>(entries_.size()); }
-  int64_t time_ns(int index) const { return entries_[index].time_ns; }
-  const std::string& path(int index) const { return entries_[index].path; }
+  int size() const { return static_cast<int>(files_.size()); }
+  int64_t time_ns(int index) const { return files_[index].time_ns; }
+  const std::string& path(int index) const { return files_[index].path; }
+  // Where the frames and their times are from, for people to read.
+  const std::string& source() const { return source_; }
 
   // Safe to call from several threads. Precondition: 0 <= index < size().
   RawFrame Read(int index) const;
@@ -35,18 +43,15 @@ class RawSequence {
   // At most `max_frames`, spread evenly over the sequence.
   std::vector<RawFrame> ReadSome(int max_frames) const;
 
-  // Path of the folder's white.png, empty if it has none.
+  // Path of the folder's white image, empty if it has none.
   std::string WhiteImagePath() const;
 
  private:
-  struct Entry {
-    int64_t time_ns;
-    std::string path;
-  };
   std::string folder_;
   int width_, height_;
   int channels_;
-  std::vector<Entry> entries_;
+  std::vector<FrameFile> files_;
+  std::string source_;
 };
 
 std::vector<cv::Mat> ImagesOf(const std::vector<RawFrame>& frames);
@@ -55,7 +60,7 @@ std::vector<cv::Mat> ImagesOf(const std::vector<RawFrame>& frames);
 // size, or is black (its 99th percentile below 2 % of full scale).
 cv::Mat ReadWhiteImage(const std::string& path, const PlenopticCamera& camera);
 
-// True if the folder looks like such a sequence.
+// True if the folder has a raw.txt.
 bool IsRawSequence(const std::string& folder);
 
 }  // namespace prism

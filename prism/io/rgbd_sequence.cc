@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/io/rgbd_sequence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <sstream>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
@@ -15,7 +21,6 @@
 namespace prism {
 namespace {
 
-constexpr double kDepthUnitsPerMetre = 5000;
 constexpr int64_t kMaxTimeDifferenceNs = 20'000'000;
 
 bool Exists(const std::string& folder, const char* name) {
@@ -24,6 +29,33 @@ bool Exists(const std::string& folder, const char* name) {
 
 }  // namespace
 
+std::vector<double> ParsePinhole(const std::string& text) {
+  // https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
+  const std::map<std::string, std::vector<double>> known = {
+      {"ros_default", {525, 525, 319.5, 239.5}},
+      {"freiburg1", {517.3, 516.5, 318.6, 255.3, 0.2624, -0.9531, -0.0054, 0.0026, 1.1633}},
+      {"freiburg2", {520.9, 521.0, 325.1, 249.7, 0.2312, -0.7849, -0.0033, -0.0001, 0.9172}},
+      {"freiburg3", {535.4, 539.2, 320.1, 247.6}}};
+  const auto camera = known.find(text);
+  if (camera != known.end()) return camera->second;
+  std::vector<double> figures;
+  std::istringstream stream(text);
+  bool is_good = true;
+  for (std::string word; std::getline(stream, word, ',');) {
+    char* end = nullptr;
+    figures.push_back(std::strtod(word.c_str(), &end));
+    is_good = is_good && !word.empty() && *end == '\0' && std::isfinite(figures.back());
+  }
+  const size_t count = figures.size();
+  if (!is_good || (count != 4 && count != 8 && count != 9)) {
+    throw OptionError("pinhole",
+                      "'" + text + "'",
+                      "fx,fy,cx,cy[,k1,k2,p1,p2[,k3]] in px, freiburg1, freiburg2, freiburg3 or "
+                      "ros_default");
+  }
+  return figures;
+}
+
 bool IsRgbdSequence(const std::string& folder) {
   return Exists(folder, "associations.txt") ||
          (Exists(folder, "rgb.txt") && Exists(folder, "depth.txt"));
@@ -31,20 +63,64 @@ bool IsRgbdSequence(const std::string& folder) {
 
 RgbdSequence::RgbdSequence(const std::string& folder,
                            const PlenopticCamera& lens,
-                           const RgbdConversionOptions& options)
-    : folder_(folder), options_(options) {
+                           const RgbdConversionOptions& options,
+                           const RgbdLayoutOptions& layout)
+    : folder_(folder), depth_factor_(layout.depth_factor), options_(options) {
   if (!std::filesystem::is_directory(folder)) {
     throw InputError(folder, "no such folder", "a sequence in TUM RGB-D layout");
   }
-  const std::string calibration = InFolder(folder, "calibration.txt");
-  const PinholeCamera pinhole = ReadPinholeCamera(calibration);
-  if (std::abs(pinhole.fx - pinhole.fy) > 1e-6 * pinhole.fx) {
-    throw InputError(calibration,
-                     "fx = " + std::to_string(pinhole.fx) + ", fy = " + std::to_string(pinhole.fy),
-                     "square pixels (fx = fy)");
+  if (layout.pinhole.empty()) {
+    camera_ = PlenopticFromPinhole(ReadCamera(layout), lens);
+    ReadEntries();
+  } else {
+    ReadEntries();  // an image of them tells the size
+    camera_ = PlenopticFromPinhole(ReadCamera(layout), lens);
   }
-  camera_ = PlenopticFromPinhole(pinhole, lens);
+}
 
+PinholeCamera RgbdSequence::ReadCamera(const RgbdLayoutOptions& layout) {
+  const std::string calibration = InFolder(folder_, "calibration.txt");
+  PinholeCamera pinhole;
+  std::vector<double> distortion;
+  if (layout.pinhole.empty()) {
+    if (!Exists(folder_, "calibration.txt")) {
+      throw InputError(calibration, "no such file", "it, or --pinhole=fx,fy,cx,cy");
+    }
+    pinhole = ReadPinholeCamera(calibration);
+  } else {
+    const std::string first = InFolder(folder_, entries_.front().image_path);
+    const cv::Mat image = ReadImageUnchanged(first);
+    pinhole = {image.cols,
+               image.rows,
+               layout.pinhole[0],
+               layout.pinhole[1],
+               layout.pinhole[2],
+               layout.pinhole[3]};
+    std::string error;
+    if (!pinhole.IsValid(&error)) throw OptionError("pinhole", error, "that of " + first);
+    distortion.assign(layout.pinhole.begin() + 4, layout.pinhole.end());
+  }
+  const bool is_distorted =
+      std::any_of(distortion.begin(), distortion.end(), [](double d) { return d != 0; });
+  if (!is_distorted && std::abs(pinhole.fx - pinhole.fy) <= 1e-6 * pinhole.fx) return pinhole;
+  PinholeCamera square = pinhole;
+  square.fx = square.fy = 0.5 * (pinhole.fx + pinhole.fy);
+  const auto matrix = [](const PinholeCamera& c) {
+    return cv::Matx33d(c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1);
+  };
+  cv::initUndistortRectifyMap(matrix(pinhole),
+                              distortion,
+                              cv::noArray(),
+                              matrix(square),
+                              cv::Size(pinhole.width, pinhole.height),
+                              CV_32FC1,
+                              map_x_,
+                              map_y_);
+  return square;
+}
+
+void RgbdSequence::ReadEntries() {
+  const std::string& folder = folder_;
   if (Exists(folder, "associations.txt")) {
     const std::string path = InFolder(folder, "associations.txt");
     for (const TimedLine& line : ReadTimeList(path, 3)) {
@@ -85,8 +161,14 @@ RgbdSequence::RgbdSequence(const std::string& folder,
 
 RgbdSequence::Images RgbdSequence::ReadImages(const Entry& entry) const {
   const int width = camera_.raw_width, height = camera_.raw_height;
-  return {ReadGrayImage(InFolder(folder_, entry.image_path), width, height),
-          Read16BitImage(InFolder(folder_, entry.depth_path), width, height)};
+  Images images = {ReadGrayImage(InFolder(folder_, entry.image_path), width, height),
+                   Read16BitImage(InFolder(folder_, entry.depth_path), width, height)};
+  if (map_x_.empty()) return images;
+  Images resampled;
+  cv::remap(images.gray, resampled.gray, map_x_, map_y_, cv::INTER_LINEAR);
+  // Depths of two surfaces have no mean.
+  cv::remap(images.depth, resampled.depth, map_x_, map_y_, cv::INTER_NEAREST);
+  return resampled;
 }
 
 LightFieldFrame RgbdSequence::Read(int index, StageTimer* timer) const {
@@ -98,7 +180,7 @@ LightFieldFrame RgbdSequence::Read(int index, StageTimer* timer) const {
   }
   const StageTimer::Scope scope(timer, "convert frame");
   cv::Mat depth_m;
-  images.depth.convertTo(depth_m, CV_32F, 1 / kDepthUnitsPerMetre);
+  images.depth.convertTo(depth_m, CV_32F, 1 / depth_factor_);
   return PlenopticFrameFromRgbd(
       camera_, images.gray, depth_m, entry.time_ns, static_cast<uint64_t>(index), options_);
 }

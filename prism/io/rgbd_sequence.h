@@ -15,10 +15,23 @@
 
 namespace prism {
 
+// What a folder in TUM RGB-D layout does not say, or not in our way.
+struct RgbdLayoutOptions {
+  // fx fy cx cy [k1 k2 p1 p2 [k3]] in px, distortion as OpenCV's; empty: calibration.txt.
+  std::vector<double> pinhole;
+  double depth_factor = 5000;  // values of depth images a metre
+};
+
+// The figures of `fx,fy,cx,cy[,k1,k2,p1,p2[,k3]]`, or of a camera of the TUM benchmark by its name:
+// freiburg1, freiburg2, freiburg3, or ros_default (of all of them, what its authors suggest).
+// Throws OptionError.
+std::vector<double> ParsePinhole(const std::string& text);
+
 // A folder in TUM RGB-D layout: `associations.txt` (time rgb time depth a line) or `rgb.txt` and
 // `depth.txt` (time path a line, matched by time within 20 ms), 16-bit depth PNGs in 1/5000 m with
-// 0 = none, and `calibration.txt` (fx fy cx cy width height). Frames are turned into plenoptic
-// ones.
+// 0 = none, and `calibration.txt` (fx fy cx cy width height) or RgbdLayoutOptions::pinhole. Where
+// pixels are not square, or there is distortion, images and depth are resampled to what a camera
+// without them sees. Frames are turned into plenoptic ones.
 //
 // Throws InputError: missing or empty folder or list, times that do not increase, a depth file
 // without its image, and on Read an image that is missing, does not decode or has another size.
@@ -27,7 +40,8 @@ class RgbdSequence {
   // `lens` gives f_L, b_L0 and B of the plenoptic camera to stand in for.
   RgbdSequence(const std::string& folder,
                const PlenopticCamera& lens,
-               const RgbdConversionOptions& options);
+               const RgbdConversionOptions& options,
+               const RgbdLayoutOptions& layout = {});
 
   int size() const { return static_cast<int>(entries_.size()); }
   const PlenopticCamera& camera() const { return camera_; }
@@ -51,9 +65,13 @@ class RgbdSequence {
     cv::Mat depth;  // as stored
   };
 
+  void ReadEntries();
+  PinholeCamera ReadCamera(const RgbdLayoutOptions& layout);
   Images ReadImages(const Entry& entry) const;
 
   std::string folder_;
+  double depth_factor_;
+  cv::Mat map_x_, map_y_;  // where pixels come from; empty: images are taken as they are
   PlenopticCamera camera_;
   RgbdConversionOptions options_;
   std::vector<Entry> entries_;

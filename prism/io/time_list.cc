@@ -4,12 +4,23 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <iomanip>
 #include <sstream>
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
 
 namespace prism {
+namespace {
+
+std::string Unquoted(const std::string& text) {
+  std::istringstream stream(text);
+  std::string word;
+  stream >> std::quoted(word);
+  return text.front() == '"' ? word : text;
+}
+
+}  // namespace
 
 int64_t ParseTimeNs(const std::string& seconds, const std::string& where) {
   char* end = nullptr;
@@ -32,7 +43,15 @@ std::vector<TimedLine> ReadTimeList(const std::string& path, int num_words, int 
     TimedLine line;
     line.line_number = number;
     line.time_ns = ParseTimeNs(time, where);
-    for (std::string word; line_stream >> word;) line.words.push_back(word);
+    if (max_words == 1) {
+      // Paths have blanks in them, and Windows ends lines in two characters.
+      std::string rest;
+      std::getline(line_stream >> std::ws, rest);
+      const size_t end = rest.find_last_not_of(" \t\r");
+      if (end != std::string::npos) line.words.push_back(Unquoted(rest.substr(0, end + 1)));
+    } else {
+      for (std::string word; line_stream >> std::quoted(word);) line.words.push_back(word);
+    }
     const int count = static_cast<int>(line.words.size());
     if (count < num_words || count > max_words) {
       throw InputError(where,

@@ -15,9 +15,10 @@ struct TimedLine {
   int line_number = 0;
 };
 
-// Reads `time word ...` lines; blank lines and `#` comments are left out. Throws InputError (naming
-// file and line) if the file cannot be read, a time is not a finite number, a line does not have
-// `num_words` to `max_words` words, or times do not strictly increase.
+// Reads `time word ...` lines; blank lines and `#` comments are left out. A word with blanks in it
+// stands in double quotes, which it need not where only one follows the time. Throws InputError
+// (naming file and line) if the file cannot be read, a time is not a finite number, a line does not
+// have `num_words` to `max_words` words, or times do not strictly increase.
 std::vector<TimedLine> ReadTimeList(const std::string& path, int num_words, int max_words);
 inline std::vector<TimedLine> ReadTimeList(const std::string& path, int num_words) {
   return ReadTimeList(path, num_words, num_words);

@@ -144,7 +144,11 @@ Trajectory Map::KeyframeTrajectory() const {
 std::vector<MapPoint> Map::Points(const Window& window) const {
   std::vector<MapPoint> points;
   const auto add = [&](const RetiredPoint& point) {
-    points.push_back({CamFromWorld(point.keyframe_id).Inverse() * point.x_C, point.rgb});
+    points.push_back({CamFromWorld(point.keyframe_id).Inverse() * point.x_C,
+                      point.rgb,
+                      point.keyframe_id,
+                      point.px,
+                      point.rho_sigma * point.x_C.z() * point.x_C.norm()});
   };
   for (const RetiredPoint& point : points_) add(point);
   for (const auto& keyframe : window.keyframes) {

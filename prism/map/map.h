@@ -19,6 +19,9 @@ namespace prism {
 struct MapPoint {
   Eigen::Vector3d p_in_world = Eigen::Vector3d::Zero();
   std::array<uint8_t, 3> rgb{};
+  int keyframe_id = 0;                           // its host
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();  // there, focused px
+  double sigma_m = 0;  // of its depth in the host, along the ray; 0: not known
 };
 
 // The segment of what was known before the run.

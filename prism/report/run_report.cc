@@ -12,6 +12,7 @@
 
 #include "prism/eval/series.h"
 #include "prism/io/atomic_file.h"
+#include "prism/io/trajectory_file.h"
 #include "prism/report/base64.h"
 #include "prism/report/metrics_json.h"
 #include "prism/report/report_page.h"
@@ -180,6 +181,8 @@ Json ReportToJson(const RunReport& report) {
                {"options", report.options},
                {"camera", report.camera},
                {"problems", FindProblems(report.frames)},
+               {"notes", report.notes},
+               {"trajectory_tum", FormatTrajectory(report.trajectory)},
                {"trajectory", PositionsToJson(report.trajectory, SE3())},
                {"cloud", CloudToJson(report.cloud)}};
   json["frames"] = Json::array();

@@ -57,6 +57,7 @@ struct ReportCloudPoint {
 struct RunReport {
   std::string title;
   std::string git_hash;
+  std::vector<std::string> notes;  // what was found and assumed of the input
   double wall_seconds = 0;
   double processor_seconds = 0;
   double peak_resident_mib = 0;

@@ -86,9 +86,10 @@ RawInput OpenRawInput(const RawInputOptions& options) {
   if (!input.camera.micro_lens_grid) {
     throw InputError(options.camera,
                      "no micro-lens grid",
-                     "one there or in a micro_lens_grid file, for raw frames");
+                     "one there, in MLA_Calibration.xml beside the frames or in a micro_lens_grid "
+                     "file, for raw frames (prism_lightfield --estimate_grid finds it)");
   }
-  input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour));
+  input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour), options.rate_hz);
   const std::string white =
       options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
   const bool has_white = !white.empty() && white != kNoWhiteImage;

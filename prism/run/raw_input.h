@@ -31,6 +31,7 @@ struct RawInputOptions {
   std::string colour = "auto";  // see kRawColours
   int threads = 0;              // of the processing, now and later (LightFieldOptions)
   bool focus_colour = false;    // LightFieldFrame::colour of colour and Bayer frames as well
+  double rate_hz = 0;           // of frames without a list (FindFrameFiles)
 };
 
 // Frames of a sequence that are looked at where a camera's files leave something open.

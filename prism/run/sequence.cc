@@ -9,11 +9,14 @@
 #include <vector>
 
 #include "prism/base/error.h"
+#include "prism/base/format.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
+#include "prism/io/frame_files.h"
 #include "prism/io/raw_sequence.h"
 #include "prism/io/rgbd_sequence.h"
 #include "prism/lightfield/light_field_processor.h"
+#include "prism/run/folder_contents.h"
 #include "prism/run/raw_input.h"
 
 namespace prism {
@@ -47,6 +50,12 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
   if (options.max_frames < 0) return bad("max_frames", options.max_frames, "0 (all) or more");
   if (options.ping_pong < 0) return bad("ping_pong", options.ping_pong, "0 or more passes");
   if (options.threads < 0) return bad("threads", options.threads, "0 (one a core) or more");
+  if (!(options.rate_hz >= 0 && options.rate_hz < 1e6)) {
+    return bad("rate_hz", options.rate_hz, "0 (by the names) or more");
+  }
+  if (!(options.depth_factor > 0 && options.depth_factor < 1e9)) {
+    return bad("depth_factor", options.depth_factor, "more than 0, values a metre");
+  }
   const double sigma = options.rgbd.inverse_depth_sigma;
   if (!(sigma >= 0 && sigma < 0.1)) return bad("rgbd_inverse_depth_sigma", sigma, "0 to 0.1");
   return std::nullopt;
@@ -60,14 +69,16 @@ std::string DetectFormat(const SequenceOptions& options) {
   if (IsRawSequence(options.sequence)) return "raw";
   if (IsFocusedSequence(options.sequence)) return "focused";
   if (IsRgbdSequence(options.sequence)) return "rgbd";
+  if (HasUnlistedFrames(options.sequence)) return "raw";
   throw InputError(options.sequence,
-                   "neither raw.txt, focused.txt nor rgb.txt or associations.txt",
+                   "neither raw.txt, focused.txt, rgb.txt or associations.txt nor images",
                    "a sequence in one of these layouts");
 }
 
 // What the layouts have in common.
 struct Layout {
   PlenopticCamera camera;
+  std::vector<std::string> report;
   std::string grid_report;
   std::vector<int64_t> times_ns;
   std::function<LightFieldFrame(int file_index, StageTimer* timer)> read;
@@ -82,9 +93,17 @@ std::vector<int64_t> TimesOf(const Reader& reader) {
 }
 
 Layout OpenRgbd(const SequenceOptions& options) {
-  auto reader = std::make_shared<const RgbdSequence>(
-      options.sequence, ReadMetricCamera(options.camera), options.rgbd);
+  RgbdLayoutOptions layout_options;
+  layout_options.depth_factor = options.depth_factor;
+  if (!options.pinhole.empty()) layout_options.pinhole = ParsePinhole(options.pinhole);
+  const PlenopticCamera lens =
+      options.camera.empty() ? StandInCamera() : ReadMetricCamera(options.camera);
+  auto reader =
+      std::make_shared<const RgbdSequence>(options.sequence, lens, options.rgbd, layout_options);
   Layout layout;
+  layout.report = {Format("frames: %d pairs of image and depth", reader->size()),
+                   "pinhole: " + (options.pinhole.empty() ? "calibration.txt" : options.pinhole),
+                   Format("depth: %g a metre", options.depth_factor)};
   layout.camera = reader->camera();
   layout.times_ns = TimesOf(*reader);
   layout.read = [reader](int index, StageTimer* timer) { return reader->Read(index, timer); };
@@ -96,6 +115,7 @@ Layout OpenFocused(const SequenceOptions& options) {
   auto reader = std::make_shared<const FocusedSequence>(options.sequence, camera);
   Layout layout;
   layout.camera = camera;
+  layout.report = {Format("frames: %d of focused.txt", reader->size())};
   layout.times_ns = TimesOf(*reader);
   layout.read = [reader](int index, StageTimer* timer) {
     const StageTimer::Scope scope(timer, kReadImage);
@@ -111,13 +131,16 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.white_image,
                                  options.colour,
                                  options.threads,
-                                 options.focus_colour});
+                                 options.focus_colour,
+                                 options.rate_hz});
   RequireMetricDepth(input.camera, options.camera);
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
   Layout layout;
   layout.camera = input.camera;
   layout.grid_report = input.grid_report;
+  layout.report = {"frames: " + reader->source()};
+  if (!input.grid_report.empty()) layout.report.push_back(input.grid_report);
   layout.times_ns = TimesOf(*reader);
   layout.read =
       [reader, processor, verdict = layout.verdict, totals = std::map<std::string, double>()](
@@ -170,7 +193,10 @@ Sequence::Sequence(const SequenceOptions& options) {
     throw OptionError(bad->name, bad->found, bad->expected);
   }
   format_ = DetectFormat(options);
-  Layout layout = OpenLayout(format_, options);
+  const SequenceOptions complete = CompleteFromFolder(options, format_, &input_report_);
+  camera_path_ = complete.camera;
+  Layout layout = OpenLayout(format_, complete);
+  for (std::string& line : layout.report) input_report_.push_back(std::move(line));
   camera_ = layout.camera;
   grid_report_ = std::move(layout.grid_report);
   play_order_ = OrderFrames(layout.times_ns, options);

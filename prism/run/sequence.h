@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "prism/base/stage_timer.h"
 #include "prism/camera/plenoptic_camera.h"
@@ -20,11 +21,13 @@
 
 namespace prism {
 
-// What a user says of a sequence. Only `sequence` and `camera` have to be said.
+// What a user says of a sequence. Only `sequence` has to be said where its folder holds the rest
+// (CompleteFromFolder).
 struct SequenceOptions {
   std::string sequence;  // folder
-  std::string camera;    // file; for RGB-D input the plenoptic camera to stand in for
-  std::string format;    // "raw", "focused" or "rgbd"; empty: by what the folder holds
+  // File; for RGB-D input the plenoptic camera to stand in for; empty: that of the folder.
+  std::string camera;
+  std::string format;  // "raw", "focused" or "rgbd"; empty: by what the folder holds
 
   // Of raw frames.
   std::string micro_lens_grid;  // file; empty: the camera file's own grid
@@ -32,8 +35,11 @@ struct SequenceOptions {
   std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
   int threads = 0;              // that process a frame; 0: one a core
   bool focus_colour = false;    // LightFieldFrame::colour as well, at the price of three images
+  double rate_hz = 0;           // of frames without a list; 0: times in their names, else 10
 
   RgbdConversionOptions rgbd;  // of RGB-D frames
+  std::string pinhole;         // see ParsePinhole; empty: calibration.txt
+  double depth_factor = 5000;  // values of depth images a metre
 
   int start_frame = 0;   // first frame of the file that is played
   int max_frames = 0;    // frames played in a pass; 0: all
@@ -65,9 +71,12 @@ class Sequence {
   Sequence(const Sequence&) = delete;
   Sequence& operator=(const Sequence&) = delete;
 
-  const std::string& format() const { return format_; }      // raw, focused or rgbd
-  const PlenopticCamera& camera() const { return camera_; }  // raw: with the refined grid
+  const std::string& format() const { return format_; }            // raw, focused or rgbd
+  const PlenopticCamera& camera() const { return camera_; }        // raw: with the refined grid
+  const std::string& camera_path() const { return camera_path_; }  // given or found; empty: none
   const PlayOrder& play_order() const { return *play_order_; }
+  // What was found in the folder and what was assumed, a line each; the grid's report is one.
+  const std::vector<std::string>& input_report() const { return input_report_; }
   // What the refinement of the grid of a raw sequence found, one line; else empty.
   const std::string& grid_report() const { return grid_report_; }
   // What can be said of the light field of a raw sequence, from all frames read so far
@@ -98,7 +107,9 @@ class Sequence {
   FrameRead Read(int file_index);
 
   std::string format_;
+  std::string camera_path_;
   PlenopticCamera camera_;
+  std::vector<std::string> input_report_;
   std::string grid_report_;
   std::optional<PlayOrder> play_order_;
   int start_frame_ = 0;

@@ -5,7 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#if PRISM_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <glog/logging.h>
 #include <Eigen/Geometry>
 
@@ -40,6 +44,37 @@ void ForEachDirection(const Function& function) {
     }
   }
 }
+
+// Queries of one ray or four; version 3 wants a context, version 4 has none.
+#if PRISM_EMBREE_MAJOR >= 4
+void Intersect1(RTCScene scene, RTCRayHit* query) { rtcIntersect1(scene, query); }
+void Intersect4(const int* valid, RTCScene scene, RTCRayHit4* query) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcIntersect4(valid, scene, query, &arguments);
+}
+void Occluded1(RTCScene scene, RTCRay* query) { rtcOccluded1(scene, query); }
+#else
+RTCIntersectContext NewContext() {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  return context;
+}
+void Intersect1(RTCScene scene, RTCRayHit* query) {
+  RTCIntersectContext context = NewContext();
+  rtcIntersect1(scene, &context, query);
+}
+void Intersect4(const int* valid, RTCScene scene, RTCRayHit4* query) {
+  RTCIntersectContext context = NewContext();
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect4(valid, scene, &context, query);
+}
+void Occluded1(RTCScene scene, RTCRay* query) {
+  RTCIntersectContext context = NewContext();
+  rtcOccluded1(scene, &context, query);
+}
+#endif
 
 }  // namespace
 
@@ -87,8 +122,6 @@ RayCaster::~RayCaster() {
 }
 
 SimHit RayCaster::Cast(const SimRay& ray, float t_min) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit query{};
   query.ray.org_x = ray.origin.x();
   query.ray.org_y = ray.origin.y();
@@ -100,7 +133,7 @@ SimHit RayCaster::Cast(const SimRay& ray, float t_min) const {
   query.ray.tfar = std::numeric_limits<float>::infinity();
   query.ray.mask = ~0u;
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(embree_->scene, &context, &query);
+  Intersect1(embree_->scene, &query);
   SimHit hit;
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
   hit.mesh = static_cast<int>(query.hit.geomID);
@@ -114,9 +147,6 @@ SimHit RayCaster::Cast(const SimRay& ray, float t_min) const {
 }
 
 void RayCaster::Cast4(const SimRay rays[4], const bool mask[4], float t_min, SimHit hits[4]) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   alignas(16) int valid[4];
   RTCRayHit4 query{};
   for (int i = 0; i < 4; ++i) {
@@ -134,7 +164,7 @@ void RayCaster::Cast4(const SimRay rays[4], const bool mask[4], float t_min, Sim
     query.ray.tfar[i] = std::numeric_limits<float>::infinity();
     query.ray.mask[i] = ~0u;
   }
-  rtcIntersect4(valid, embree_->scene, &context, &query);
+  Intersect4(valid, embree_->scene, &query);
   for (int i = 0; i < 4; ++i) {
     if (!mask[i] || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     hits[i].mesh = static_cast<int>(query.hit.geomID[i]);
@@ -146,8 +176,6 @@ void RayCaster::Cast4(const SimRay rays[4], const bool mask[4], float t_min, Sim
 }
 
 bool RayCaster::Occluded(const SimRay& ray, float t_min, float t_max) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay query{};
   query.org_x = ray.origin.x();
   query.org_y = ray.origin.y();
@@ -158,7 +186,7 @@ bool RayCaster::Occluded(const SimRay& ray, float t_min, float t_max) const {
   query.tnear = t_min;
   query.tfar = t_max;
   query.mask = ~0u;
-  rtcOccluded1(embree_->scene, &context, &query);
+  Occluded1(embree_->scene, &query);
   return query.tfar < 0;
 }
 

@@ -188,7 +188,9 @@ RetiredPoint MakeRetiredPoint(const PlenopticProjection& camera,
                               const Point& point) {
   return {host.id,
           UnprojectInverseDepth(camera, point.patch.px, point.rho),
-          ColourOf(host, point.patch)};
+          ColourOf(host, point.patch),
+          point.patch.px,
+          point.rho_sigma};
 }
 
 }  // namespace prism

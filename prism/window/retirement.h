@@ -33,6 +33,8 @@ struct RetiredPoint {
   int keyframe_id = 0;
   Eigen::Vector3d x_C = Eigen::Vector3d::Zero();  // metres, in its host's camera frame
   std::array<uint8_t, 3> rgb{};                   // gray where its host has no colour
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();   // in its host, focused px
+  double rho_sigma = 0;                           // of its inverse depth, 1/m; 0: not known
 };
 
 struct RetirementResult {

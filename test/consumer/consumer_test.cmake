@@ -54,6 +54,18 @@ foreach(flag "" --planar)
   endif()
   file(REMOVE ${WORK_DIR}/trajectory.txt ${WORK_DIR}/keyframes.txt)
 endforeach()
+
+# The camera of live_camera is a list of files.
+file(GLOB frame_paths ${sequence}/raw/*.png)
+list(JOIN frame_paths "\n" list)
+file(WRITE ${WORK_DIR}/list.txt "${list}\n")
+execute_process(COMMAND ${WORK_DIR}/build/live_camera ${sequence}/camera.yaml ${sequence}/white.png
+                INPUT_FILE ${WORK_DIR}/list.txt OUTPUT_VARIABLE poses COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "tracked [^\n]+" tracked "${poses}")
+list(LENGTH tracked count)
+if(NOT count EQUAL frames)
+  message(FATAL_ERROR "live_camera: found ${count} tracked frames, expected ${frames}: ${poses}")
+endif()
 run(${WORK_DIR}/build/planar_motion_check ${sequence} ${sequence}/camera.yaml)
 
 execute_process(COMMAND ${WORK_DIR}/build/consumer ${WORK_DIR}/nowhere camera.yaml ${WORK_DIR}

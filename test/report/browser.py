@@ -23,7 +23,7 @@ def free_port():
 
 
 class Browser:
-    def __init__(self, width=1280, height=900, dark=False):
+    def __init__(self, width=1280, height=900, dark=False, webgl=True):
         port = free_port()
         self.driver = subprocess.Popen(
             ["chromedriver", f"--port={port}"],
@@ -34,7 +34,7 @@ class Browser:
         arguments = [
             "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
             "--disable-background-networking", "--disable-component-update", "--disable-sync",
-            "--enable-unsafe-swiftshader", "--hide-scrollbars", f"--window-size={width},{height}",
+            "--enable-unsafe-swiftshader" if webgl else "--disable-3d-apis", "--hide-scrollbars", f"--window-size={width},{height}",
             f"--user-data-dir={self.profile.name}"]
         capabilities = {
             "browserName": "chrome",

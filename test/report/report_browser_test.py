@@ -121,6 +121,98 @@ def check_keyframes(page):
           "the 3D view cannot be reached by keyboard, or does not show that it was")
 
 
+def check_frames(page):
+    """One slider moves the cursor of every plot, the frame in the view and the keyframe shown."""
+    page.run("const slider = document.getElementById('frame_slider'); slider.value = 141;"
+             "slider.oninput({target: slider});")
+    text = page.run("return document.getElementById('frame_text').textContent;")
+    check(text.startswith("frame 141 of 228, 4.70 s"), f"the slider shows '{text}'")
+    shown = "document.getElementById('keyframe_image').dataset.keyframe"
+    expected = page.run("""
+        const {data} = window.prismReport;
+        return data.keyframes.filter(k => k.t <= data.frames[141].t + 1e-6).length - 1;""")
+    check(page.wait_for(f"{shown} === '{expected}'"), "the keyframe of the frame is not shown")
+    cursors = page.run("""
+        return [...document.querySelectorAll('.cursor')].filter(line => {
+          const [a, b] = [line, line.parentElement].map(e => e.getBoundingClientRect());
+          return !line.hidden && a.left > b.left && a.right < b.right && a.height > 50;
+        }).length;""")
+    check(cursors >= 7, f"a cursor in {cursors} plots")
+    # A click into a plot goes to the frame there.
+    spot = page.run("""
+        const plot = document.querySelector('.plot');
+        plot.scrollIntoView({block: 'center'});
+        const box = plot.getBoundingClientRect();
+        return {x: box.left + 0.5 * box.width, y: box.top + 0.5 * box.height};""")
+    page.click(spot["x"], spot["y"])
+    check(page.wait_for("Math.abs(document.getElementById('frame_slider').value - 115) < 25"),
+          "a click into a plot does not go to its frame")
+
+
+def check_downloads(page):
+    tracked = page.run("return window.prismReport.data.frames.filter(f => f.tracked).length;")
+    lines = page.run("return window.prismReport.data.trajectory_tum;").splitlines()
+    check(len(lines) == tracked and all(len(line.split()) == 8 for line in lines),
+          f"{len(lines)} poses to download, {tracked} tracked")
+    figures = page.run("""
+        return ['rms', 'points', 'a', 'b', 'ms', 'error', 'scale'].filter(name => {
+          const page = new DOMParser().parseFromString(window.prismReport.svg(name), 'image/svg+xml');
+          return !page.querySelector('parsererror') && page.querySelector('path[d^=M]') &&
+              page.querySelectorAll('text').length > 6;
+        }).length;""")
+    check(figures == 7, f"{figures} of 7 plots are SVG")
+    check(page.run("""
+        const [header, body] = window.prismReport.plyOf([1, 2, 3, 4, 5, 6], [7, 8]);
+        return header.includes('element vertex 2') && body.byteLength === 30 &&
+            body.getFloat32(23, true) === 6 && body.getUint8(27) === 8;"""), "the PLY is wrong")
+    check(page.run("return !document.getElementById('downloads').hidden;"), "no download buttons")
+
+
+# The colours of the map that stands for the 3D view.
+MAP_COLORS = """
+const canvas = document.querySelector('#view3d canvas');
+const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+const colors = new Set();
+for (let i = 0; i < data.length; i += 4) colors.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);
+return colors.size;
+"""
+
+
+def check_without_webgl(page, url, width):
+    page.open(url)
+    check(page.wait_for("document.body.dataset.ready === 'yes'", 30), "the page is not ready")
+    check(page.run("return document.createElement('canvas').getContext('webgl') === null;"),
+          "there is WebGL")
+    check(page.run("return document.querySelectorAll('.tile').length;") >= 5, "no tiles")
+    check(page.run("return document.querySelectorAll('.plot canvas').length;") >= 7, "no plots")
+    check(not page.run(PLOTS_WITHOUT_LABELS), "plots without axis labels")
+    check(page.wait_for("document.getElementById('keyframe_image').dataset.keyframe === '0'"),
+          "no keyframe")
+    check(page.run("return document.getElementById('no_webgl').offsetParent !== null;"),
+          "nothing is said of it")
+    colors = page.run(MAP_COLORS)
+    check(colors > 50, f"the map is blank: {colors} colours")
+    overflow = page.run("return document.documentElement.scrollWidth;") - width
+    check(overflow <= 0, f"the page is {overflow} px wider than the screen")
+    check_frames(page)
+    check_downloads(page)
+    errors = [error for error in page.errors() if "WebGL" not in error]
+    check(not errors, f"console errors: {errors}")
+
+
+def check_all_in_view(page):
+    outside = page.run("""
+        const {data, view} = window.prismReport;
+        const box = document.querySelector('#view3d canvas').getBoundingClientRect();
+        return data.keyframes.filter((_, i) => {
+          const p = view.screenPosition(i);
+          return !p.inFront || p.x < 0 || p.y < 0 || p.x > box.width || p.y > box.height;
+        }).length;""")
+    check(outside == 0, f"{outside} keyframes are out of view at the start")
+    check(page.run("return document.getElementById('no_webgl').offsetParent === null;"),
+          "the 3D view is said to be none")
+
+
 def connect(port):
     for _ in range(300):
         try:
@@ -170,13 +262,24 @@ def main():
                                   ("dark", 1280, True)):
             with browser.Browser(width, 900, dark) as page:
                 seconds = check_page(page, report.as_uri(), width)
+                check_all_in_view(page)
                 check_keyframes(page)
+                check_frames(page)
+                check_downloads(page)
                 if "PRISM_SCREENSHOTS" in os.environ:
                     shots = pathlib.Path(os.environ["PRISM_SCREENSHOTS"])
                     page.run("window.scrollTo(0, 0);")
                     page.screenshot(shots / f"{name}.png", whole_page=True)
                 check(not page.errors(), f"console errors: {page.errors()}")
                 print(f"{name}: {mib:.1f} MiB, ready in {seconds:.2f} s")
+        for width in (1400, 390):
+            with browser.Browser(width, 900, webgl=False) as page:
+                check_without_webgl(page, report.as_uri(), width)
+                if "PRISM_SCREENSHOTS" in os.environ:
+                    shots = pathlib.Path(os.environ["PRISM_SCREENSHOTS"])
+                    page.run("window.scrollTo(0, 0);")
+                    page.screenshot(shots / f"no_webgl_{width}.png", whole_page=True)
+                print(f"without WebGL, {width} px: tiles, plots, keyframes, map")
     check_live(sys.argv[1])
     return 0
 

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "prism/base/version.h"
+#include "prism/camera/projection.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "test/lightfield/synthetic_frame.h"
@@ -70,6 +71,29 @@ TEST_F(PrismLightfieldTest, SaysWhichVersionWroteTheResults) {
   const auto json = nlohmann::json::parse(ReadTextFile(Path("out/lightfield.json")));
   EXPECT_EQ(json["version"], kVersion);
   EXPECT_NE(json["git_hash"], "");
+}
+
+TEST_F(PrismLightfieldTest, DepthIsWrittenInMetresIfAskedFor) {
+  ASSERT_EQ(Run().exit_status, 0);
+  EXPECT_FALSE(fs::exists(Path("out/depth_m")));
+  ASSERT_EQ(Run("--depth_tiff").exit_status, 0);
+  const cv::Mat depth = cv::imread(Path("out/depth_m/000000.tif"), cv::IMREAD_UNCHANGED);
+  const cv::Mat encoded =
+      cv::imread(Path("out/inverse_virtual_depth/000000.png"), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(depth.type(), CV_32FC1);
+  ASSERT_EQ(depth.size(), encoded.size());
+  const PlenopticProjection projection(ReadPlenopticCamera(Path("out/camera.yaml")));
+  int measured = 0;
+  for (int y = 0; y < depth.rows; ++y) {
+    for (int x = 0; x < depth.cols; ++x) {
+      const int value = encoded.at<uint16_t>(y, x);
+      ASSERT_EQ(depth.at<float>(y, x) > 0, value > 0) << x << ", " << y;
+      if (value == 0) continue;
+      ++measured;
+      EXPECT_NEAR(1 / depth.at<float>(y, x), InverseDepth(projection, 1 - value / 65535.0), 0.01);
+    }
+  }
+  EXPECT_GT(measured, 1000);
 }
 
 TEST_F(PrismLightfieldTest, ANegativeNumberOfThreadsIsBadInput) {

@@ -203,8 +203,10 @@ TEST(PrismVo, BadInputExitsWithTwoAndLeavesNothingBehind) {
   expect_bad(RunProgram("prism_vo"), "--sequence");
   expect_bad(RunVo(folder + "/nowhere", folder + "/out"), "nowhere");
   expect_bad(RunVo(sequence, folder + "/out", "--format=film"), "film");
+  expect_bad(RunVo(sequence, folder + "/out", "--pinhole=5"), "--pinhole: found '5'");
   expect_bad(RunVo(sequence, folder + "/out", "--start_frame=9"), "--start_frame");
   expect_bad(RunVo(sequence, folder + "/out", "--window_keyframes=1"), "1 keyframes");
+  expect_bad(RunVo(sequence, folder + "/out", "--export=kitti,film"), "--export: found 'film'");
   WriteFile(folder + "/blank.txt", "  \n");
   expect_bad(RunVo(sequence, folder + "/out", "--groundtruth=" + folder + "/blank.txt"),
              "blank.txt");

@@ -4,9 +4,22 @@
 (function() {
   const data = JSON.parse(document.getElementById('data').textContent);
   const get = id => document.getElementById(id);
-  const view = makeView3d(get('view3d'), choose);
-  const setPlot = makePlots(get('plots'));
+  const {setPlot, setCursor, svg} = makePlots(get('plots'), time => goToTime(time));
+  const view = makeView(get('view3d'));
   let selected = 0;
+  let looked = 0;      // at this frame
+  let places = [];     // of each frame its place in the trajectory; null: not tracked
+
+  // In 3D where the browser can.
+  function makeView(element) {
+    try {
+      return makeView3d(element, choose);
+    } catch (error) {
+      element.replaceChildren();
+      get('no_webgl').hidden = false;
+      return makeMap2d(element, choose);
+    }
+  }
 
   function select(index) {
     if (data.keyframes.length === 0) return;
@@ -18,12 +31,41 @@
                  get('depth_legend'));
   }
 
+  // All that shows a moment shows that of this frame.
+  function goToFrame(index) {
+    if (data.frames.length === 0) return;
+    looked = Math.min(Math.max(index, 0), data.frames.length - 1);
+    const frame = data.frames[looked];
+    const time = frame.t - data.frames[0].t;
+    get('frame_slider').value = looked;
+    get('frame_text').textContent = `frame ${looked} of ${data.frames.length}, ` +
+        `${time.toFixed(2)} s, ${frame.keyframe ? 'keyframe' : frame.status}`;
+    setCursor(time);
+    const place = places[looked];
+    view.setCursor(place === null || place === undefined ?
+                       null : data.trajectory.slice(3 * place, 3 * place + 3));
+    let last = -1;
+    while (last + 1 < data.keyframes.length && data.keyframes[last + 1].t <= frame.t + 1e-6) ++last;
+    if (last >= 0 && last !== selected) select(last);
+  }
+
+  function goToTime(time) {
+    const t = time + data.frames[0].t;
+    let best = 0;
+    data.frames.forEach((frame, i) => {
+      if (Math.abs(frame.t - t) < Math.abs(data.frames[best].t - t)) best = i;
+    });
+    goToFrame(best);
+  }
+
   // A keyframe the reader asks for, or the next with a picture: in long runs not all have one.
   function choose(index) {
     const step = index < selected ? -1 : 1;
     let shown = index;
     while (data.keyframes[shown] && !data.keyframes[shown].jpeg) shown += step;
     select(data.keyframes[shown] ? shown : index);
+    const frame = data.frames.findIndex(f => Math.abs(f.t - data.keyframes[selected].t) < 1e-6);
+    if (frame >= 0) goToFrame(frame);
   }
 
   function median(values) {
@@ -63,6 +105,12 @@
       list.appendChild(document.createElement('li')).textContent = problem;
     }
     problems.appendChild(list);
+    get('notes').hidden = !data.notes || data.notes.length === 0;
+    get('notes').replaceChildren(...(data.notes || []).map(note => {
+      const item = document.createElement('li');
+      item.textContent = note;
+      return item;
+    }));
   }
 
   function fillTiles() {
@@ -146,9 +194,13 @@
     }
     view.setCloud(decodeFloats(data.cloud.positions), decodeBase64(data.cloud.intensities));
     get('keyframe_slider').max = Math.max(data.keyframes.length - 1, 0);
+    let place = 0;
+    places = data.frames.map(frame => frame.tracked ? place++ : null);
+    get('frame_slider').max = Math.max(data.frames.length - 1, 0);
   }
 
   function fillAll() {
+    get('downloads').hidden = data.live || !data.trajectory_tum;
     fillHead();
     fillTiles();
     fillTables();
@@ -159,6 +211,12 @@
   get('previous_keyframe').onclick = () => choose(selected - 1);
   get('next_keyframe').onclick = () => choose(selected + 1);
   get('keyframe_slider').oninput = event => choose(Number(event.target.value));
+  get('frame_slider').oninput = event => goToFrame(Number(event.target.value));
+  get('download_trajectory').onclick = () =>
+      download('trajectory.txt', [data.trajectory_tum], 'text/plain');
+  get('download_cloud').onclick = () => download(
+      'points.ply', plyOf(decodeFloats(data.cloud.positions), decodeBase64(data.cloud.intensities)),
+      'application/octet-stream');
   get('reset_view').onclick = () => view.reset();
   for (const name of ['cloud', 'keyframes', 'groundtruth']) {
     get('show_' + name).onchange = event => view.setVisible(name, event.target.checked);
@@ -166,6 +224,7 @@
   fillAll();
   view.reset();
   select(0);
+  goToFrame(0);
 
   // Live: each event holds what is new; the page is redrawn twice a second at most.
   function take(update) {
@@ -198,6 +257,7 @@
         location.reload();
         return;
       }
+      const wasAtEnd = looked >= data.frames.length - 1;
       const isAtLast = selected >= data.keyframes.length - 1;
       take(update);
       if (update.finished) events.close();
@@ -211,9 +271,10 @@
         fillAll();
         if (isFirst) view.reset();
         select(selected);
+        if (wasAtEnd) goToFrame(data.frames.length - 1);
       }, 500);
     };
   }
-  window.prismReport = {view, data};
+  window.prismReport = {view, data, svg, plyOf};
   document.body.dataset.ready = 'yes';
 })();

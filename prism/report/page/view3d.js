@@ -39,8 +39,15 @@ function makeView3d(element, onKeyframe) {
     return geometry;
   }
 
+  // Lines are seen through points.
+  function onTop(object) {
+    object.material.depthTest = false;
+    object.renderOrder = 1;
+    return object;
+  }
+
   function lines(values, color, kind) {
-    return new kind(geometryOf(values), new THREE.LineBasicMaterial({color: style(color)}));
+    return onTop(new kind(geometryOf(values), new THREE.LineBasicMaterial({color: style(color)})));
   }
 
   // The pyramid of a keyframe's view, as line segments.
@@ -79,8 +86,8 @@ function makeView3d(element, onKeyframe) {
       }
       const geometry = geometryOf(points);
       geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(colors), 3));
-      replace('trajectory', new THREE.LineSegments(
-          geometry, new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors})));
+      replace('trajectory', onTop(new THREE.LineSegments(
+          geometry, new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors}))));
     },
     setGroundtruth(values) { replace('groundtruth', lines(values, '--truth', THREE.Line)); },
 
@@ -112,22 +119,31 @@ function makeView3d(element, onKeyframe) {
       render();
     },
 
+    // The place of the frame that is looked at; null: it has none.
+    setCursor(position) {
+      replace('cursor', onTop(new THREE.Points(
+          geometryOf(position || []), new THREE.PointsMaterial(
+              {size: 9, sizeAttenuation: false, color: style('--bad')}))));
+      objects.cursor.visible = position !== null;
+      render();
+    },
+
     setVisible(name, visible) {
       if (objects[name]) objects[name].visible = visible;
       render();
     },
 
-    // Looks at the trajectory from behind and above, all of it in view.
+    // Looks at trajectory and points from behind and above, all of them in view.
     reset() {
-      const box = new THREE.Box3();
-      for (const name of ['trajectory', 'groundtruth']) {
-        if (objects[name]) box.expandByObject(objects[name]);
-      }
-      if (box.isEmpty()) box.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
+      const values = name => objects[name] ? objects[name].geometry.attributes.position.array : [];
+      const all = boundsOf([...values('trajectory'), ...values('groundtruth')], values('cloud'));
+      const box = new THREE.Box3(new THREE.Vector3(...all.low), new THREE.Vector3(...all.high));
       const size = Math.max(box.getSize(new THREE.Vector3()).length(), 0.1);
       box.getCenter(controls.target);
-      camera.position.copy(controls.target).add(
-          new THREE.Vector3(0.25, -0.6, -1).multiplyScalar(1.3 * size));
+      // The sphere around the box touches the narrower side of the view.
+      const half = Math.atan(Math.tan(camera.fov * Math.PI / 360) * Math.min(camera.aspect, 1));
+      camera.position.copy(controls.target).add(new THREE.Vector3(0.25, -0.6, -1).normalize()
+          .multiplyScalar(0.5 * size / Math.sin(half)));
       camera.near = 0.001 * size;
       camera.far = 1000 * size;
       camera.updateProjectionMatrix();

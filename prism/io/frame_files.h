@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The PRISM-VO developers
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace prism {
+
+struct FrameFile {
+  int64_t time_ns = 0;
+  std::string path;
+};
+
+struct FrameFiles {
+  std::vector<FrameFile> frames;  // at least one, times strictly increasing
+  std::string source;             // where they and their times are from, for people to read
+};
+
+// The raw frames of a folder, the first of:
+//   raw.txt                                   `time path` a line
+//   data.csv, mav0/cam0/data.csv, cam0/...    as EuRoC: `time_ns,name`, images in data/ beside it
+//   images (png, jpg, tif, bmp) in raw/, images/, frames/, data/ or the folder itself, but for
+//   those whose name begins with `white`
+// Times of the latter: `rate_hz`, if it is above 0; else those in the names (19 digits ns, 16 us,
+// digits with a point s); else 10 Hz is assumed. Names are ordered as people do, 9 before 10.
+// Throws InputError for a folder without frames, a bad list, a file of a list that is missing.
+FrameFiles FindFrameFiles(const std::string& folder, double rate_hz);
+
+// True if FindFrameFiles would find images there without a raw.txt.
+bool HasUnlistedFrames(const std::string& folder);
+
+// The file of a folder with this name, whatever its case; empty if there is none.
+std::string FindFile(const std::string& folder, const std::string& name);
+
+}  // namespace prism
