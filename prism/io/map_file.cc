@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <set>
 
 #include <opencv2/core/persistence.hpp>
@@ -56,7 +55,7 @@ class MapReader {
  public:
   explicit MapReader(const std::string& folder)
       : folder_(folder), path_(InFolder(folder, "map.yml")) {
-    if (!std::filesystem::is_regular_file(path_)) {
+    if (!IsFile(path_)) {
       throw InputError(path_, "no such file", "a map of prism_vo --save_map");
     }
     const std::string text = ReadTextFile(path_);

@@ -18,6 +18,8 @@ inline constexpr char kRawColours[] =
     "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg";
 bool IsRawColour(const std::string& colour);
 
+inline constexpr int kMaxThreads = 1024;
+
 inline constexpr char kNoWhiteImage[] = "none";
 
 // What a user says of a raw sequence; files and folders may be empty where that is said.
@@ -31,6 +33,7 @@ struct RawInputOptions {
   std::string colour = "auto";  // see kRawColours
   int threads = 0;              // of the processing, now and later (LightFieldOptions)
   bool focus_colour = false;    // LightFieldFrame::colour of colour and Bayer frames as well
+  bool skip_missing = false;    // files that are missing are no error before they are read
 };
 
 // Frames of a sequence that are looked at where a camera's files leave something open.
