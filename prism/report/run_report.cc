@@ -202,10 +202,10 @@ Json ReportToJson(const RunReport& report) {
 std::string FormatReport(const RunReport& report, bool live) {
   Json json = ReportToJson(report);
   json["live"] = live;
-  // "</" would end the script element the data stand in.
+  // "</" would end the script element the data stand in, "<!--<script" swallow what follows it.
   std::string data = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (size_t at = data.find("</"); at != std::string::npos; at = data.find("</", at)) {
-    data.replace(at, 2, "<\\/");
+  for (size_t at = data.find('<'); at != std::string::npos; at = data.find('<', at)) {
+    data.replace(at, 1, "\\u003c");
   }
   std::string page = kReportPage;
   ReplaceOnce("%REPORT_DATA%", data, &page);
