@@ -193,9 +193,9 @@ double PeakResidentMib() {
 nlohmann::ordered_json RunToJson(const RunRecord& record) {
   nlohmann::ordered_json json;
   const int tracked = CountTracked(record.frames);
-  json["status"] = tracked == static_cast<int>(record.frames.size()) ? "all tracked"
-                   : tracked > 0                                     ? "partly tracked"
-                                                                     : "lost";
+  json["status"] = tracked == 0                                        ? "lost"
+                   : tracked == static_cast<int>(record.frames.size()) ? "all tracked"
+                                                                       : "partly tracked";
   json["end"] = record.end;
   if (!record.end_reason.empty()) json["end_reason"] = record.end_reason;
   json["version"] = kVersion;

@@ -23,7 +23,9 @@ bool IsYaml(const std::string& extension) { return extension == ".yaml" || exten
 
 PinholeCamera ReadPinholeText(const std::string& path) {
   constexpr char kExpected[] = "one line 'fx fy cx cy width height' in px";
-  std::istringstream lines(ReadTextFile(path));
+  const std::string contents = ReadTextFile(path);
+  if (contents.find('\0') != std::string::npos) throw InputError(path, "a binary file", kExpected);
+  std::istringstream lines(contents);
   std::vector<double> numbers;
   std::string line;
   while (std::getline(lines, line)) {
