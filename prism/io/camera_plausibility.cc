@@ -55,7 +55,7 @@ void RequirePlausibleCamera(const PlenopticCamera& camera, const std::string& pa
   Require(path,
           "a distance from sensor to MLA",
           camera.sensor_mla_distance / pitch,
-          {0.8, 30, " micro-lens pitches", ""});
+          {0.5, 30, " micro-lens pitches", ""});
 }
 
 void RequirePlausiblePinhole(const PinholeCamera& camera, const std::string& path) {
