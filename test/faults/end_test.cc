@@ -25,21 +25,36 @@ nlohmann::json ReadRun(const std::string& output) {
   return nlohmann::json::parse(ReadTextFile(output + "/run.json"));
 }
 
-// A run of a thousand passes, started beside this process; its console goes to OUTPUT.log.
-pid_t StartLongRun(const std::string& sequence, const std::string& output) {
-  const pid_t child = fork();
-  if (child == 0) {
-    execl("/bin/sh",
-          "sh",
-          "-c",
-          ("exec " PRISM_BIN_DIR "/" + CommandFor(sequence, output, "--ping_pong=1000") + " > '" +
-           output + ".log' 2>&1")
-              .c_str(),
-          nullptr);
+// A run of a thousand passes, beside this process and not longer than it; its console goes to
+// OUTPUT.log.
+class LongRun {
+ public:
+  LongRun(const std::string& sequence, const std::string& output) : child_(fork()) {
+    if (child_ != 0) return;
+    const std::string command = "exec " PRISM_BIN_DIR "/" +
+                                CommandFor(sequence, output, "--ping_pong=1000") + " > '" + output +
+                                ".log' 2>&1";
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
-  return child;
-}
+  ~LongRun() {
+    if (child_ > 0) End(SIGKILL);
+  }
+  LongRun(const LongRun&) = delete;
+  LongRun& operator=(const LongRun&) = delete;
+
+  // The status it ended with.
+  int End(int signal) {
+    int status = 0;
+    kill(child_, signal);
+    waitpid(child_, &status, 0);
+    child_ = 0;
+    return status;
+  }
+
+ private:
+  pid_t child_;
+};
 
 bool WaitForFile(const std::string& path, std::chrono::seconds patience) {
   for (const auto end = Clock::now() + patience; Clock::now() < end;) {
@@ -47,12 +62,6 @@ bool WaitForFile(const std::string& path, std::chrono::seconds patience) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   return false;
-}
-
-int WaitFor(pid_t child) {
-  int status = 0;
-  waitpid(child, &status, 0);
-  return status;
 }
 
 class Ends : public testing::Test {
@@ -66,12 +75,11 @@ class Ends : public testing::Test {
 class EndsBySignal : public Ends, public testing::WithParamInterface<int> {};
 
 TEST_P(EndsBySignal, WithAllWrittenAndMarked) {
-  const pid_t child = StartLongRun(sequence_, output_);
+  LongRun long_run(sequence_, output_);
   ASSERT_TRUE(WaitForFile(output_ + "/run.json", std::chrono::seconds(60)));
   std::this_thread::sleep_for(std::chrono::seconds(1));
   const Clock::time_point begin = Clock::now();
-  kill(child, GetParam());
-  const int status = WaitFor(child);
+  const int status = long_run.End(GetParam());
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(20));
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 128 + GetParam());
@@ -89,11 +97,10 @@ TEST_P(EndsBySignal, WithAllWrittenAndMarked) {
 INSTANTIATE_TEST_SUITE_P(Signals, EndsBySignal, testing::Values(SIGINT, SIGTERM, SIGHUP));
 
 TEST_F(Ends, ByAKillCostsTheLastTenSeconds) {
-  const pid_t child = StartLongRun(sequence_, output_);
+  LongRun long_run(sequence_, output_);
   ASSERT_TRUE(WaitForFile(output_ + "/trajectory.txt", std::chrono::seconds(60)));
   std::this_thread::sleep_for(std::chrono::seconds(10));
-  kill(child, SIGKILL);
-  WaitFor(child);
+  long_run.End(SIGKILL);
   EXPECT_EQ(ReadRun(output_)["end"], "running");
   const auto now = fs::file_time_type::clock::now();
   for (const char* name : {"trajectory.txt", "keyframes.txt", "points.ply", "run.json"}) {
