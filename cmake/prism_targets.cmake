@@ -23,6 +23,12 @@ if(PRISM_SANITIZE)
   target_link_options(prism_compile_options INTERFACE -fsanitize=address,undefined)
   target_compile_definitions(prism_compile_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
+if(PRISM_FUZZ)
+  set(fuzz_checks fuzzer-no-link,address,undefined)
+  target_compile_options(prism_compile_options INTERFACE
+    -fsanitize=${fuzz_checks} -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(prism_compile_options INTERFACE -fsanitize=${fuzz_checks})
+endif()
 
 # prism_module(name [NOT_INSTALLED] SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
 # A library prism::name of the folder's sources, or of headers alone if there are none. A module may

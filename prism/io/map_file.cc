@@ -227,9 +227,13 @@ void WriteMap(const std::string& folder,
 }
 
 std::vector<MappedPlace> ReadMap(const std::string& folder, const PlenopticProjection& camera) {
-  const MapReader reader(folder);
-  reader.RequireCamera(camera);
-  return reader.Places(camera.width, camera.height);
+  try {
+    const MapReader reader(folder);
+    reader.RequireCamera(camera);
+    return reader.Places(camera.width, camera.height);
+  } catch (const cv::Exception& error) {  // a list where a map should be, for example
+    throw InputError(InFolder(folder, "map.yml"), "'" + error.err + "'", kFormat);
+  }
 }
 
 }  // namespace prism
