@@ -132,6 +132,7 @@ class SuiteReader {
     std::iota(seeds.begin(), seeds.end(), 0);
     const YAML::Node list = root["seeds"];
     if (!list) return seeds;
+    if (!list.IsSequence()) throw InputError(At(list), "no seeds", "a list of whole numbers");
     seeds.clear();
     for (const YAML::Node& seed : list) {
       int value = 0;
@@ -190,7 +191,11 @@ class SuiteReader {
 }  // namespace
 
 BenchSuite ReadBenchSuite(const std::string& path, const std::string& data_dir) {
-  return SuiteReader(path, data_dir).Read();
+  try {
+    return SuiteReader(path, data_dir).Read();
+  } catch (const YAML::Exception& error) {  // a map where a list should be, for example
+    throw InputError(path, "'" + error.msg + "'", "a suite (YAML)");
+  }
 }
 
 std::vector<BenchJob> ListJobs(const BenchSuite& suite) {

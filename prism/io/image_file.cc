@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/io/image_file.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,18 @@ namespace {
 
 bool StartsWith(const std::string& bytes, const std::string& start) {
   return bytes.compare(0, start.size(), start) == 0;
+}
+
+// The formats frames come in. OpenCV knows others; a broken DICOM file, which has its mark behind
+// whatever it starts with, ends the program there.
+bool IsOfKnownFormat(const std::string& bytes) {
+  constexpr const char* kStarts[] = {
+      "\x89PNG", "\xff\xd8", "II*", "MM", "BM", "P1", "P2", "P3", "P4", "P5", "P6", "RIFF"};
+  constexpr size_t kDicomMark = 128;
+  if (bytes.size() > kDicomMark && bytes.compare(kDicomMark, 4, "DICM") == 0) return false;
+  return std::any_of(std::begin(kStarts), std::end(kStarts), [&](const char* start) {
+    return StartsWith(bytes, start);
+  });
 }
 
 // Decoders fill what is missing of a JPEG file with gray, and say nothing.
@@ -37,6 +51,11 @@ cv::Mat Decode(const std::string& path, int flags) {
   const std::string bytes = ReadTextFile(path);
   if (bytes.empty()) throw InputError(path, "an empty file", "an image");
   if (IsCutJpeg(bytes)) throw InputError(path, "a JPEG file without its end", "a whole image");
+  const auto fail = [&] {
+    throw InputError(
+        path, "a file that does not decode", "an image (PNG, JPEG, TIFF, BMP, PGM, PPM or WebP)");
+  };
+  if (!IsOfKnownFormat(bytes)) fail();
   cv::Mat image;
   try {
     const cv::Mat buffer(
@@ -44,7 +63,7 @@ cv::Mat Decode(const std::string& path, int flags) {
     image = cv::imdecode(buffer, flags);
   } catch (const cv::Exception&) {  // for example a header of an absurd size
   }
-  if (image.empty()) throw InputError(path, "a file that does not decode", "an image");
+  if (image.empty()) fail();
   return image;
 }
 

@@ -183,6 +183,16 @@ class MapReader {
   cv::Mat Matrix(const cv::FileNode& node, const char* key, int type, int columns) const {
     cv::Mat matrix;
     try {
+      // Memory for it is taken before the data are read.
+      constexpr int kMaxRows = 1000000;
+      const cv::FileNode rows =
+          Get(node, key, [](const cv::FileNode& value) { return value.isMap(); })["rows"];
+      if (rows.isInt() && static_cast<int>(rows) > kMaxRows) {
+        throw InputError(
+            path_,
+            "'" + std::string(key) + "' of " + std::to_string(static_cast<int>(rows)) + " rows",
+            "up to " + std::to_string(kMaxRows));
+      }
       Get(node, key, [](const cv::FileNode& value) { return value.isMap(); }) >> matrix;
     } catch (const cv::Exception&) {
       matrix = cv::Mat(1, 1, CV_16S);  // of no type that is asked for
