@@ -61,7 +61,7 @@ class MapReader {
     const std::string text = ReadTextFile(path_);
     try {
       file_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-    } catch (const cv::Exception&) {
+    } catch (const std::exception&) {
     }
     std::string format;
     if (file_.isOpened()) file_["format"] >> format;
@@ -183,15 +183,16 @@ class MapReader {
   cv::Mat Matrix(const cv::FileNode& node, const char* key, int type, int columns) const {
     cv::Mat matrix;
     try {
-      // Memory for it is taken before the data are read.
-      constexpr int kMaxRows = 1000000;
-      const cv::FileNode rows =
-          Get(node, key, [](const cv::FileNode& value) { return value.isMap(); })["rows"];
-      if (rows.isInt() && static_cast<int>(rows) > kMaxRows) {
-        throw InputError(
-            path_,
-            "'" + std::string(key) + "' of " + std::to_string(static_cast<int>(rows)) + " rows",
-            "up to " + std::to_string(kMaxRows));
+      // Memory for it is taken before the data are read; a size that is a text counts as 2^31 - 1.
+      constexpr int kMaxSide = 1000000;
+      const cv::FileNode header =
+          Get(node, key, [](const cv::FileNode& value) { return value.isMap(); });
+      for (const char* side : {"rows", "cols"}) {
+        if (!header[side].isInt() || static_cast<int>(header[side]) > kMaxSide) {
+          throw InputError(path_,
+                           "'" + std::string(key) + "' without '" + side + "' or with too many",
+                           "up to " + std::to_string(kMaxSide));
+        }
       }
       Get(node, key, [](const cv::FileNode& value) { return value.isMap(); }) >> matrix;
     } catch (const cv::Exception&) {
@@ -241,8 +242,10 @@ std::vector<MappedPlace> ReadMap(const std::string& folder, const PlenopticProje
     const MapReader reader(folder);
     reader.RequireCamera(camera);
     return reader.Places(camera.width, camera.height);
-  } catch (const cv::Exception& error) {  // a list where a map should be, for example
-    throw InputError(InFolder(folder, "map.yml"), "'" + error.err + "'", kFormat);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {  // OpenCV's parser has many ways to fail
+    throw InputError(InFolder(folder, "map.yml"), "'" + std::string(error.what()) + "'", kFormat);
   }
 }
 
