@@ -23,6 +23,12 @@ if(PRISM_SANITIZE)
   target_link_options(prism_compile_options INTERFACE -fsanitize=address,undefined)
   target_compile_definitions(prism_compile_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
+if(PRISM_FUZZ)
+  set(fuzz_checks fuzzer-no-link,address,undefined)
+  target_compile_options(prism_compile_options INTERFACE
+    -fsanitize=${fuzz_checks} -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(prism_compile_options INTERFACE -fsanitize=${fuzz_checks})
+endif()
 
 if(PRISM_BUILD_PYTHON)
   # The libraries become part of a shared one; calls within a file are inlined as if they did not.

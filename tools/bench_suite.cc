@@ -11,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "prism/base/error.h"
+#include "prism/base/format.h"
 #include "prism/io/atomic_file.h"
 
 namespace prism {
@@ -47,9 +48,9 @@ class SuiteReader {
                "variants",
                "external"});
     BenchSuite suite;
-    suite.time_limit_s = Number(root, "time_limit_s", suite.time_limit_s);
+    suite.time_limit_s = Number(root, "time_limit_s", suite.time_limit_s, 1e8);
     suite.memory_limit_mib =
-        static_cast<int>(Number(root, "memory_limit_mib", suite.memory_limit_mib));
+        static_cast<int>(Number(root, "memory_limit_mib", suite.memory_limit_mib, 1e9));
     suite.seeds = Seeds(root);
     suite.flags = Flags(root);
     for (const YAML::Node& node : root["sequences"]) {
@@ -90,13 +91,22 @@ class SuiteReader {
 
   void CheckKeys(const YAML::Node& node, const std::vector<std::string>& known) const {
     if (!node.IsMap()) throw InputError(At(node), "no keys", "a map with " + known.front());
+    std::set<std::string> seen;
     for (const auto& entry : node) {
-      const auto key = entry.first.as<std::string>();
+      const std::string key = Key(entry.first);
+      if (!seen.insert(key).second) {
+        throw InputError(At(entry.first), "the key '" + key + "' twice", "each key once");
+      }
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       throw InputError(At(entry.first),
                        "the unknown key '" + key + "'",
                        "a known one; the nearest is '" + NearestWord(key, known) + "'");
     }
+  }
+
+  std::string Key(const YAML::Node& node) const {
+    if (!node.IsScalar()) throw InputError(At(node), "a list or map as a key", "a word");
+    return node.Scalar();
   }
 
   std::string Text(const YAML::Node& node, const char* key, bool required) const {
@@ -106,29 +116,43 @@ class SuiteReader {
     return "";
   }
 
-  double Number(const YAML::Node& node, const char* key, double fallback) const {
+  double Number(const YAML::Node& node, const char* key, double fallback, double max) const {
     if (!node[key]) return fallback;
     double value = 0;
-    if (!YAML::convert<double>::decode(node[key], value) || !(value > 0)) {
-      throw InputError(At(node[key]), std::string("a bad '") + key + "'", "a positive number");
+    if (!YAML::convert<double>::decode(node[key], value) || !(value > 0 && value <= max)) {
+      throw InputError(At(node[key]),
+                       std::string("a bad '") + key + "'",
+                       Format("a positive number up to %g", max));
     }
     return value;
   }
 
   std::vector<int> Seeds(const YAML::Node& root) const {
-    std::vector<int> seeds(static_cast<size_t>(Number(root, "repeats", 1)));
+    std::vector<int> seeds(static_cast<size_t>(Number(root, "repeats", 1, 10000)));
     std::iota(seeds.begin(), seeds.end(), 0);
-    if (root["seeds"] && !YAML::convert<std::vector<int>>::decode(root["seeds"], seeds)) {
-      throw InputError(At(root["seeds"]), "bad seeds", "a list of whole numbers");
+    const YAML::Node list = root["seeds"];
+    if (!list) return seeds;
+    if (!list.IsSequence()) throw InputError(At(list), "no seeds", "a list of whole numbers");
+    seeds.clear();
+    for (const YAML::Node& seed : list) {
+      int value = 0;
+      if (!seed.IsScalar() || !YAML::convert<int>::decode(seed, value) || value < 0) {
+        throw InputError(At(seed), "a bad seed", "whole numbers, 0 or more");
+      }
+      seeds.push_back(value);
     }
+    if (seeds.empty()) throw InputError(At(list), "no seeds", "a list of whole numbers");
     return seeds;
   }
 
   FlagMap Flags(const YAML::Node& node) const {
     FlagMap flags;
+    if (node["flags"] && !node["flags"].IsMap()) {
+      throw InputError(At(node["flags"]), "flags that are no map", "flag: value");
+    }
     for (const auto& entry : node["flags"]) {
       if (!entry.second.IsScalar()) throw InputError(At(entry.first), "no value", "flag: value");
-      flags[entry.first.as<std::string>()] = Expanded(entry.second.as<std::string>());
+      flags[Key(entry.first)] = Expanded(entry.second.as<std::string>());
     }
     return flags;
   }
@@ -143,7 +167,9 @@ class SuiteReader {
   void CheckNames(const BenchSuite& suite) const {
     std::set<std::string> seen;
     const auto check = [&](const std::string& name) {
-      if (name.empty() || name.find('/') != std::string::npos) {
+      constexpr size_t kLongestName = 200;  // of a folder: 255
+      if (name.empty() || name == "." || name == ".." || name.size() > kLongestName ||
+          name.find('/') != std::string::npos || name.find('\0') != std::string::npos) {
         throw InputError(path_, "the name '" + name + "'", "one that can be a folder's");
       }
       if (!seen.insert(name).second) throw InputError(path_, "'" + name + "' twice", "other names");
@@ -165,7 +191,11 @@ class SuiteReader {
 }  // namespace
 
 BenchSuite ReadBenchSuite(const std::string& path, const std::string& data_dir) {
-  return SuiteReader(path, data_dir).Read();
+  try {
+    return SuiteReader(path, data_dir).Read();
+  } catch (const YAML::Exception& error) {  // a map where a list should be, for example
+    throw InputError(path, "'" + error.msg + "'", "a suite (YAML)");
+  }
 }
 
 std::vector<BenchJob> ListJobs(const BenchSuite& suite) {

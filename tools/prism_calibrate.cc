@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <string>
 
 #include <gflags/gflags.h>
@@ -16,7 +15,6 @@
 #include "prism/calibration/board_observation.h"
 #include "prism/calibration/calibrate.h"
 #include "prism/calibration/micro_image_views.h"
-#include "prism/calibration/recalibration.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
 #include "prism/io/image_file.h"
@@ -25,9 +23,9 @@
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/run/micro_lens_estimation.h"
 #include "prism/run/raw_input.h"
-#include "prism/run/sequence.h"
 #include "tools/board_pdf.h"
 #include "tools/calibration_report.h"
+#include "tools/recalibrate_sequence.h"
 #include "tools/tool_main.h"
 
 DEFINE_string(sequence, "", "Folder of pictures of the board: raw.txt, or focused.txt.");
@@ -259,15 +257,6 @@ ExitStatus WriteBoard(const CalibrationBoard& board) {
   return kExitDone;
 }
 
-void PrintPass(int number, const RecalibrationPass& pass) {
-  std::printf("pass %d: b_L0 moves by %+.2f um +- %.2f, %.0f %% of the frames tracked%s\n",
-              number,
-              1e6 * pass.moved_m,
-              1e6 * pass.sigma_m,
-              100 * pass.tracked,
-              pass.segments > 1 ? ", in several segments" : "");
-}
-
 ExitStatus RecalibrateOnly() {
   RequireFlag("sequence", FLAGS_sequence, "a folder of a moving sequence");
   RequireFlag("camera", FLAGS_camera, "the camera file to mend");
@@ -280,20 +269,7 @@ ExitStatus RecalibrateOnly() {
   options.colour = FLAGS_colour;
   options.threads = FLAGS_threads;
   options.max_frames = FLAGS_max_frames;
-  const PlenopticCamera camera = Sequence(options).camera();
-  const RecalibrationResult result = Recalibrate(camera, RecalibrationOptions(), [&] {
-    return [sequence = std::make_shared<Sequence>(options)] { return sequence->Next(); };
-  });
-  for (size_t i = 0; i < result.passes.size(); ++i) {
-    PrintPass(static_cast<int>(i) + 1, result.passes[i]);
-  }
-  if (!result.problem.empty()) {
-    throw InputError(FLAGS_sequence, result.problem, "a sequence that tells b_L0");
-  }
-  std::printf("b_L0 %.4f mm +- %.4f, was %.4f\n",
-              1e3 * result.camera.main_lens_mla_distance,
-              1e3 * result.sigma_m,
-              1e3 * camera.main_lens_mla_distance);
+  const RecalibrationResult result = RecalibrateSequence(options, RecalibrationOptions());
   fs::create_directories(FLAGS_output_dir);
   const std::string path = (fs::path(FLAGS_output_dir) / "camera.yaml").string();
   WriteNativeCamera(path, result.camera);

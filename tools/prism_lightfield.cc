@@ -27,6 +27,7 @@
 #include "prism/run/raw_input.h"
 #include "tools/rgbd_writer.h"
 #include "tools/tool_main.h"
+#include "tools/unreadable_frames.h"
 #include "tools/verdict_json.h"
 
 DEFINE_string(raw, "", "Folder of a raw sequence (raw.txt).");
@@ -172,12 +173,15 @@ ExitStatus ProcessSequence() {
   RequireFlag("raw", FLAGS_raw, "the folder of a raw sequence");
   RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
-  cv::setNumThreads(FLAGS_threads > 0 ? FLAGS_threads : -1);
+  if (FLAGS_max_frames < 0) {
+    throw InputError("--max_frames", std::to_string(FLAGS_max_frames), "0 (all) or more");
+  }
   RawInput input = OpenRawInput(InputOptions());
+  cv::setNumThreads(FLAGS_threads > 0 ? FLAGS_threads : -1);
   if (FLAGS_depth_tiff) RequireMetricDepth(input.camera, FLAGS_camera);
   ApplyFlags(&input.options);
   std::cout << input.grid_report << std::endl;
-  if (!FLAGS_truth.empty() && !std::filesystem::is_directory(FLAGS_truth)) {
+  if (!FLAGS_truth.empty() && !IsFolder(FLAGS_truth)) {
     throw InputError(FLAGS_truth, "no such folder", "a folder of true inverse virtual depth");
   }
 
@@ -193,14 +197,21 @@ ExitStatus ProcessSequence() {
   StageTimer frame_timer;
   const int size = input.sequence->size();
   const int count = FLAGS_max_frames > 0 ? std::min(FLAGS_max_frames, size) : size;
+  UnreadableFrames unreadable(FLAGS_raw, count);
   for (int i = 0; i < count; ++i) {
-    const RawFrame raw = input.sequence->Read(i);
+    RawFrame raw;
+    try {
+      raw = input.sequence->Read(i);
+    } catch (const InputError& error) {
+      unreadable.Add(i, {error, input.sequence->time_ns(i)});
+      continue;
+    }
     LightFieldFrame frame;
     {
       StageTimer::Scope scope(&frame_timer, "frame");
       frame = processor.Process(raw);
     }
-    if (i == 0) json["reprojection"] = ReprojectionToJson(processor, frame);
+    if (verdict.empty()) json["reprojection"] = ReprojectionToJson(processor, frame);
     verdict.Add(frame.sigma, processor.noise(), processor.misfit());
     writer.Write(frame);
     if (FLAGS_depth_tiff) WriteDepthTiff(i, input.camera, frame.inverse_virtual_depth);
@@ -218,6 +229,7 @@ ExitStatus ProcessSequence() {
   json["git_hash"] = GitRevision();
   json["options"] = EffectiveOptions();
   json["frames"] = count;
+  json["unreadable_count"] = unreadable.reasons().size();
   json["grid"] = input.grid_report;
   json["stages"] = TimesToJson(processor.timer());
   json["frame_ms"] = TimesToJson(frame_timer)["frame"];
@@ -232,6 +244,9 @@ ExitStatus ProcessSequence() {
               count,
               frame_timer.Summarize().at("frame").median_ms,
               FLAGS_output_dir.c_str());
+  if (!unreadable.reasons().empty()) {
+    std::printf("%zu of them could not be read and are left out\n", unreadable.reasons().size());
+  }
   return verdict.IsUsable() ? kExitDone : kExitRunFailed;
 }
 

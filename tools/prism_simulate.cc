@@ -168,8 +168,8 @@ void PrintProgress(const SimulateProgress& progress) {
 
 ExitStatus Run() {
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the sequence");
-  if (FLAGS_threads < 0) {
-    throw InputError("--threads", std::to_string(FLAGS_threads), "0 (one a core) or more");
+  if (FLAGS_threads < 0 || FLAGS_threads > 1024) {
+    throw InputError("--threads", std::to_string(FLAGS_threads), "0 (one a core) to 1024");
   }
   std::unique_ptr<tbb::global_control> threads;
   if (FLAGS_threads > 0) {

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -15,18 +18,24 @@
 #include <opencv2/core/utility.hpp>
 
 #include "prism/base/error.h"
+#include "prism/base/format.h"
 #include "prism/io/atomic_file.h"
+#include "prism/io/camera_file.h"
 #include "prism/io/map_file.h"
 #include "prism/io/trajectory_file.h"
 #include "prism/odometry/odometry.h"
 #include "prism/report/live_view.h"
 #include "prism/report/run_report.h"
 #include "prism/run/sequence.h"
+#include "tools/end_signals.h"
 #include "tools/export_recorder.h"
+#include "tools/periodic.h"
+#include "tools/recalibrate_sequence.h"
 #include "tools/report_recorder.h"
 #include "tools/run_output.h"
 #include "tools/run_record.h"
 #include "tools/tool_main.h"
+#include "tools/unreadable_frames.h"
 
 DEFINE_string(sequence, "", "Folder of the sequence (raw, focused or TUM RGB-D layout).");
 DEFINE_string(
@@ -62,6 +71,9 @@ DEFINE_string(
     groundtruth,
     "",
     "Trajectory (TUM) to evaluate against; empty: groundtruth.txt of the sequence, if there.");
+DEFINE_bool(skip_missing,
+            false,
+            "A file of a list that is missing is a frame that cannot be read, not an error.");
 DEFINE_int32(start_frame, 0, "First frame of the sequence to use.");
 DEFINE_int32(max_frames, 0, "Number of frames to use; 0: all.");
 DEFINE_bool(reverse, false, "Plays the frames backwards; the results have the times of the file.");
@@ -90,6 +102,10 @@ DEFINE_double(depth_offset_sigma,
               0,
               "Standard deviation of a lasting offset of measured 1/v, which is then estimated; 0: "
               "there is none.");
+DEFINE_bool(refine_camera,
+            false,
+            "Before the run b_L0 is found on the sequence itself, in some passes (as "
+            "prism_calibrate --recalibrate does); refined_camera.yaml is written.");
 DEFINE_bool(marginalization_prior,
             true,
             "Prior from what left the window; false: it is forgotten.");
@@ -132,6 +148,12 @@ std::unique_ptr<LiveView> StartLiveView(const RunRecord& record) {
 }
 
 OdometryOptions OptionsFromFlags() {
+  RequireInRange("window_keyframes", FLAGS_window_keyframes, 3, 1000);
+  RequireInRange("active_points", FLAGS_active_points, 50, 1e6);
+  RequireInRange("iterations", FLAGS_iterations, 1, 1000);
+  RequireInRange("photometric_model_sigma", FLAGS_photometric_model_sigma, 1e-3, 255);
+  RequireInRange("depth_offset_sigma", FLAGS_depth_offset_sigma, 0, 0.5);
+  RequireInRange("map_places", FLAGS_map_places, 2, 1e6);
   OdometryOptions options;
   options.window.max_keyframes = FLAGS_window_keyframes;
   options.window.max_points = FLAGS_active_points;
@@ -167,6 +189,7 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.threads = FLAGS_threads;
   options.focus_colour = FLAGS_focus_colour;
   options.format = FLAGS_format;
+  options.skip_missing = FLAGS_skip_missing;
   options.start_frame = FLAGS_start_frame;
   options.max_frames = FLAGS_max_frames;
   options.reverse = FLAGS_reverse;
@@ -189,17 +212,65 @@ Trajectory ReadGroundTruth() {
   return ReadTrajectory(path);
 }
 
+std::string ClockTime(double seconds) {
+  const int whole = static_cast<int>(std::min(seconds, 359999.0));
+  return whole < 3600 ? Format("%d:%02d", whole / 60, whole % 60)
+                      : Format("%d:%02d h", whole / 3600, whole / 60 % 60);
+}
+
 void ShowProgress(const RunRecord& record, const FrameResult& frame, int total, double seconds) {
   static const bool is_terminal = isatty(STDOUT_FILENO) != 0;
   if (!is_terminal) return;
-  std::printf("\rframe %zu/%d  %.1f fps  %d keyframes  %d points  %-12s",
+  const double fps = static_cast<double>(record.frames.size()) / seconds;
+  const double left = static_cast<double>(total) - static_cast<double>(record.frames.size());
+  std::printf("\rframe %zu/%d  %.1f fps  %s left  %d keyframes  %d points  %-12s",
               record.frames.size(),
               total,
-              static_cast<double>(record.frames.size()) / seconds,
+              fps,
+              ClockTime(left / fps).c_str(),
               CountKeyframes(record.frames),
               frame.active_points,
               ToString(frame.status));
   std::fflush(stdout);
+}
+
+// Nothing at the end of the sequence.
+std::optional<FrameResult> ProcessNext(int number,
+                                       Sequence* sequence,
+                                       Odometry* odometry,
+                                       UnreadableFrames* unreadable) {
+  try {
+    std::optional<LightFieldFrame> frame = sequence->Next();
+    if (!frame) return std::nullopt;
+    return odometry->Process(std::move(*frame));
+  } catch (const UnreadableFrame& frame) {
+    unreadable->Add(number, frame);
+    return odometry->Skip(frame.time_ns);
+  }
+}
+
+// What is known of a run at this moment, beside its frames.
+void UpdateRecord(const Sequence& sequence, const Odometry& odometry, RunRecord* record) {
+  record->light_field = sequence.Verdict();
+  record->stages = sequence.timer().Summarize();
+  record->stages.merge(odometry.timer().Summarize());
+  record->trajectory = odometry.FrameTrajectory();
+  record->piece_of_segment = odometry.map().PieceOfSegments();
+  record->intensity_sigma = odometry.window().noise.ResidualSigma();
+  record->depth_scale = odometry.window().noise.DepthScale();
+  record->keyframe_depth_offset_sigma = odometry.window().noise.DepthOffsetSigma();
+  record->depth_offset_prior_sigma = FLAGS_depth_offset_sigma;
+}
+
+// Results of a run that goes on, which a full disk does not end.
+void WriteOnTheWay(const std::function<void()>& write) {
+  static bool is_told = false;
+  try {
+    write();
+  } catch (const InputError& error) {
+    if (!is_told) std::cerr << "\nprism_vo: not written for now: " << error.what() << std::endl;
+    is_told = true;
+  }
 }
 
 ExitStatus Run() {
@@ -210,50 +281,86 @@ ExitStatus Run() {
   Sequence sequence(sequence_options);
   std::cout << sequence.format() << " frames of " << FLAGS_sequence << "\n";
   for (const std::string& line : sequence.input_report()) std::cout << "  " << line << "\n";
+  for (const std::string& note : sequence.notes()) std::cout << "  " << note << "\n";
+  const PlenopticCamera camera =
+      FLAGS_refine_camera ? RecalibrateSequence(sequence_options, {odometry_options}).camera
+                          : sequence.camera();
   const Trajectory groundtruth = sequence.play_order().AsPlayed(ReadGroundTruth());
   std::vector<MappedPlace> places;
-  if (!FLAGS_map.empty()) places = ReadMap(FLAGS_map, PlenopticProjection(sequence.camera()));
-  if (!FLAGS_save_map.empty()) CreateDirectory(FLAGS_save_map);
-  CreateDirectory(FLAGS_output_dir);
+  if (!FLAGS_map.empty()) places = ReadMap(FLAGS_map, PlenopticProjection(camera));
+  if (!FLAGS_save_map.empty()) RequireWritableFolder(FLAGS_save_map);
+  RequireWritableFolder(FLAGS_output_dir);
 
   RunRecord record;
   record.options = EffectiveOptions();
   record.camera_path = sequence.camera_path();
-  record.camera = sequence.camera();
+  record.camera = camera;
   record.sequence_format = sequence.format();
   record.input_report = sequence.input_report();
+  record.notes = sequence.notes();
   ReportRecorder recorder;
   const std::unique_ptr<LiveView> live = StartLiveView(record);
+  const EndSignals signals;
+  ClearResults(FLAGS_output_dir);
   const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  Odometry odometry(sequence.camera(), odometry_options);
+  Odometry odometry(camera, odometry_options);
   if (!FLAGS_map.empty()) odometry.LoadPlaces(places);
-  while (std::optional<LightFieldFrame> frame = sequence.Next()) {
-    if (record.frames.empty() && sequence.format() == "raw") {
-      std::cout << sequence.Verdict().Text() << std::flush;
+  UnreadableFrames unreadable(FLAGS_sequence, sequence.size());
+  const auto update_record = [&] {
+    UpdateRecord(sequence, odometry, &record);
+    record.unreadable = unreadable.reasons();
+    record.wall_seconds = seconds();
+    record.processor_seconds = ProcessorSeconds() - processor_start;
+  };
+  Periodic write_poses([&] {
+    WriteOnTheWay([&] { WritePoses(FLAGS_output_dir, odometry, sequence.play_order()); });
+  });
+  Periodic write_all([&] {
+    update_record();
+    WriteOnTheWay([&] { WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order()); });
+  });
+  std::exception_ptr failure;
+  bool is_verdict_told = sequence.format() != "raw";
+  try {
+    while (signals.received() == 0) {
+      const int number = static_cast<int>(record.frames.size());
+      std::optional<FrameResult> result = ProcessNext(number, &sequence, &odometry, &unreadable);
+      if (!result) break;
+      if (!is_verdict_told && result->status != FrameStatus::kUnreadable) {
+        std::cout << sequence.Verdict().Text() << std::flush;
+        is_verdict_told = true;
+      }
+      record.frames.push_back(std::move(*result));
+      recorder.Add(record.frames.back(), odometry, sequence.timer());
+      exports.Add(record.frames.back(), odometry);
+      if (live) live->Publish(recorder.TakeUpdate());
+      ShowProgress(record, record.frames.back(), sequence.size(), seconds());
+      write_poses.Tick();
+      write_all.Tick();
     }
-    record.frames.push_back(odometry.Process(std::move(*frame)));
-    recorder.Add(record.frames.back(), odometry, sequence.timer());
-    exports.Add(record.frames.back(), odometry);
-    if (live) live->Publish(recorder.TakeUpdate());
-    ShowProgress(record, record.frames.back(), sequence.size(), seconds());
+    record.end = signals.received() == 0 ? "complete" : "interrupted";
+    if (signals.received() != 0) record.end_reason = signals.Name();
+  } catch (const std::exception& error) {
+    record.end = "failed";
+    record.end_reason = error.what();
+    failure = std::current_exception();
   }
-  record.wall_seconds = seconds();
-  record.processor_seconds = ProcessorSeconds() - processor_start;
-  record.light_field = sequence.Verdict();
-  record.stages = sequence.timer().Summarize();
-  record.stages.merge(odometry.timer().Summarize());
-  record.trajectory = odometry.FrameTrajectory();
-  record.piece_of_segment = odometry.map().PieceOfSegments();
-  record.intensity_sigma = odometry.window().noise.ResidualSigma();
-  record.depth_scale = odometry.window().noise.DepthScale();
-  record.keyframe_depth_offset_sigma = odometry.window().noise.DepthOffsetSigma();
-  record.depth_offset_prior_sigma = FLAGS_depth_offset_sigma;
+  update_record();
+  if (failure && CountTracked(record.frames) == 0) {
+    ClearResults(FLAGS_output_dir);
+    std::rethrow_exception(failure);
+  }
 
   WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order());
+  PrintRun(FLAGS_output_dir, record, odometry);
+  if (FLAGS_refine_camera) {
+    WriteNativeCamera((std::filesystem::path(FLAGS_output_dir) / "refined_camera.yaml").string(),
+                      camera);
+  }
   std::cout << exports.Write(FLAGS_output_dir, odometry, sequence.play_order()) << std::flush;
   if (FLAGS_close_loops)
     WriteClosedMap(FLAGS_output_dir, odometry, sequence.play_order(), groundtruth);
@@ -267,7 +374,12 @@ ExitStatus Run() {
     end.finished = report;
     live->Publish(std::move(end));
   }
-  return CountTracked(record.frames) > 0 ? kExitDone : kExitRunFailed;
+  PrintEnd(record);
+  if (failure) std::rethrow_exception(failure);
+  if (signals.received() != 0) return static_cast<ExitStatus>(signals.ExitStatus());
+  const int tracked = CountTracked(record.frames);
+  const bool is_most = 2 * tracked >= static_cast<int>(record.frames.size());
+  return tracked > 0 && is_most ? kExitDone : kExitRunFailed;
 }
 
 }  // namespace

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
+#include "prism/base/error.h"
 #include "prism/eval/metrics.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/map_file.h"
@@ -16,6 +19,19 @@
 
 namespace prism {
 namespace {
+
+namespace fs = std::filesystem;
+
+// File names need not be UTF-8.
+constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+constexpr char kPiecePrefix[] = "trajectory_segment";
+
+// Of an earlier run, or of an earlier moment of this one.
+void RemovePieces(const std::string& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename().string().rfind(kPiecePrefix, 0) == 0) fs::remove(entry.path());
+  }
+}
 
 std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
   std::vector<PlyPoint> points;
@@ -39,6 +55,12 @@ void PrintScale(const RunRecord& record) {
 }
 
 void PrintMetrics(const TrajectoryMetrics& metrics) {
+  if (metrics.status != EvaluationStatus::kDone) {
+    std::printf("ground truth: no errors, %s (%d poses matched)\n",
+                ToString(metrics.status),
+                metrics.matched_count);
+    return;
+  }
   std::printf("ground truth: %d poses matched, ATE %.4f m (SE3)",
               metrics.matched_count,
               metrics.ate_rmse_m);
@@ -72,19 +94,28 @@ Trajectory OnlineTrajectory(const std::vector<FrameResult>& frames) {
 }
 
 // Of the pieces of a map that could not be joined, by the number of the first segment of each.
-// Those of an earlier run go.
 void WritePieces(const std::string& folder, const Map& map, const PlayOrder& play_order) {
-  namespace fs = std::filesystem;
-  const std::string prefix = "trajectory_segment";
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.path().filename().string().rfind(prefix, 0) == 0) fs::remove(entry.path());
-  }
+  RemovePieces(folder);
   const std::vector<int> pieces = map.Pieces();
   if (pieces.size() < 2) return;
   for (const int piece : pieces) {
-    WriteTrajectory(InFolder(folder, prefix + std::to_string(piece) + ".txt"),
+    WriteTrajectory(InFolder(folder, kPiecePrefix + std::to_string(piece) + ".txt"),
                     play_order.InFileTimes(map.FrameTrajectory(piece)));
   }
+}
+
+// Does all of them, and throws the first error then: one file that cannot be written costs no
+// other.
+void DoAll(const std::vector<std::function<void()>>& actions) {
+  std::exception_ptr first_error;
+  for (const auto& action : actions) {
+    try {
+      action();
+    } catch (const InputError&) {
+      if (!first_error) first_error = std::current_exception();
+    }
+  }
+  if (first_error) std::rethrow_exception(first_error);
 }
 
 void PrintSegments(const RunRecord& record, const Map& map) {
@@ -104,17 +135,53 @@ void PrintSegments(const RunRecord& record, const Map& map) {
 
 }  // namespace
 
+void ClearResults(const std::string& folder) {
+  try {
+    RemovePieces(folder);
+    for (const char* name : {"run.json",
+                             "trajectory.txt",
+                             "keyframes.txt",
+                             "points.ply",
+                             "trajectory_closed.txt",
+                             "keyframes_closed.txt",
+                             "points_closed.ply",
+                             "metrics.json",
+                             "report.html",
+                             "refined_camera.yaml"}) {
+      fs::remove(InFolder(folder, name));
+    }
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(error.path1().string(),
+                     "a file of an earlier run (" + error.code().message() + ")",
+                     "one that can be removed");
+  }
+}
+
+void WritePoses(const std::string& folder, const Odometry& odometry, const PlayOrder& play_order) {
+  DoAll({[&] {
+           WriteTrajectory(InFolder(folder, "trajectory.txt"),
+                           play_order.InFileTimes(odometry.FrameTrajectory()));
+         },
+         [&] { WritePieces(folder, odometry.map(), play_order); },
+         [&] {
+           WriteTrajectory(InFolder(folder, "keyframes.txt"),
+                           play_order.InFileTimes(odometry.KeyframeTrajectory()));
+         }});
+}
+
 void WriteRun(const std::string& folder,
               const RunRecord& record,
               const Odometry& odometry,
               const PlayOrder& play_order) {
-  WriteTrajectory(InFolder(folder, "trajectory.txt"),
-                  play_order.InFileTimes(odometry.FrameTrajectory()));
-  WritePieces(folder, odometry.map(), play_order);
-  WriteTrajectory(InFolder(folder, "keyframes.txt"),
-                  play_order.InFileTimes(odometry.KeyframeTrajectory()));
-  WritePly(InFolder(folder, "points.ply"), PlyPoints(odometry.MapPoints()));
-  WriteTextAtomically(InFolder(folder, "run.json"), RunToJson(record).dump(1) + "\n");
+  DoAll({[&] { WritePoses(folder, odometry, play_order); },
+         [&] { WritePly(InFolder(folder, "points.ply"), PlyPoints(odometry.MapPoints())); },
+         [&] {
+           WriteTextAtomically(InFolder(folder, "run.json"),
+                               RunToJson(record).dump(1, ' ', false, kReplace) + "\n");
+         }});
+}
+
+void PrintRun(const std::string& folder, const RunRecord& record, const Odometry& odometry) {
   std::printf(
       "\n%d of %zu frames tracked, %d keyframes, %.1f frames a second, %.0f MiB, results in %s\n",
       CountTracked(record.frames),
@@ -142,6 +209,23 @@ void WriteRun(const std::string& folder,
   }
 }
 
+void PrintEnd(const RunRecord& record) {
+  if (record.end == "interrupted") {
+    std::printf("interrupted by %s after %zu frames; all up to there is written\n",
+                record.end_reason.c_str(),
+                record.frames.size());
+  }
+  const int tracked = CountTracked(record.frames);
+  if (2 * tracked < static_cast<int>(record.frames.size())) {
+    std::printf("fewer than half of the frames were tracked\n");
+  }
+  if (!record.unreadable.empty()) {
+    std::printf("%zu of %zu frames could not be read (run.json says why)\n",
+                record.unreadable.size(),
+                record.frames.size());
+  }
+}
+
 void WriteClosedMap(const std::string& folder,
                     const Odometry& odometry,
                     const PlayOrder& play_order,
@@ -157,6 +241,7 @@ void WriteClosedMap(const std::string& folder,
   if (groundtruth.empty()) return;
   const TrajectoryMetrics before = EvaluateTrajectory(groundtruth, odometry.FrameTrajectory(), {});
   const TrajectoryMetrics closed = EvaluateTrajectory(groundtruth, map.FrameTrajectory(), {});
+  if (closed.status != EvaluationStatus::kDone) return;
   std::printf(
       "  ATE %.4f m (SE3) with loops closed, %.4f m without", closed.ate_rmse_m, before.ate_rmse_m);
   if (closed.loop && before.loop) {
@@ -196,6 +281,7 @@ void WriteMetrics(const std::string& folder,
   json["ate_online_rmse_m"] = MetricsToJson(online)["ate_rmse_m"];
   WriteTextAtomically(InFolder(folder, "metrics.json"), json.dump(1) + "\n");
   PrintMetrics(metrics);
+  if (online.status != EvaluationStatus::kDone) return;
   std::printf("poses as they were known when each frame came: ATE %.4f m (SE3)\n",
               online.ate_rmse_m);
 }

@@ -11,13 +11,24 @@
 
 namespace prism {
 
-// Writes trajectory.txt, keyframes.txt, points.ply and run.json into the folder, where the map fell
-// into pieces trajectory_segmentN.txt of each, and prints the run's figures in a line. Throws
-// InputError if a file cannot be written.
+// Removes what an earlier run has left in the folder. Throws InputError if that cannot be done.
+void ClearResults(const std::string& folder);
+
+// Writes trajectory.txt and keyframes.txt into the folder, where the map fell into pieces
+// trajectory_segmentN.txt of each. Throws InputError if a file cannot be written.
+void WritePoses(const std::string& folder, const Odometry& odometry, const PlayOrder& play_order);
+
+// The poses, points.ply and run.json: all that can be written. Throws InputError if one cannot.
 void WriteRun(const std::string& folder,
               const RunRecord& record,
               const Odometry& odometry,
               const PlayOrder& play_order);
+
+// The run's figures in some lines.
+void PrintRun(const std::string& folder, const RunRecord& record, const Odometry& odometry);
+
+// At the very end: what made the run less than it could have been.
+void PrintEnd(const RunRecord& record);
 
 // Closes the loops of a copy of the map (Map::CloseLoops), writes trajectory_closed.txt,
 // keyframes_closed.txt and points_closed.ply, and prints what came of it, against `groundtruth` if

@@ -45,7 +45,9 @@ nlohmann::ordered_json PoseToJson(const SE3& world_from_cam) {
 }
 
 // `pose`: as it is known at the end; null: it is not.
-nlohmann::ordered_json FrameToJson(const FrameResult& frame, const StampedPose* pose) {
+nlohmann::ordered_json FrameToJson(const FrameResult& frame,
+                                   const StampedPose* pose,
+                                   const std::map<int64_t, std::string>& unreadable) {
   nlohmann::ordered_json json;
   json["time"] = 1e-9 * static_cast<double>(frame.time_ns);
   json["status"] = ToString(frame.status);
@@ -56,6 +58,8 @@ nlohmann::ordered_json FrameToJson(const FrameResult& frame, const StampedPose* 
     json["rotation_sigma_deg"] = frame.sigma.rotation_rad * 180 / M_PI;
   }
   if (!HasPose(frame.status)) {
+    const auto reason = unreadable.find(frame.time_ns);
+    if (reason != unreadable.end()) json["reason"] = reason->second;
     if (frame.sigma.translation_m > 0) {
       json["pose_predicted"] = PoseToJson(frame.state.pose().Inverse());
     }
@@ -189,9 +193,11 @@ double PeakResidentMib() {
 nlohmann::ordered_json RunToJson(const RunRecord& record) {
   nlohmann::ordered_json json;
   const int tracked = CountTracked(record.frames);
-  json["status"] = tracked == static_cast<int>(record.frames.size()) ? "all tracked"
-                   : tracked > 0                                     ? "partly tracked"
-                                                                     : "lost";
+  json["status"] = tracked == 0                                        ? "lost"
+                   : tracked == static_cast<int>(record.frames.size()) ? "all tracked"
+                                                                       : "partly tracked";
+  json["end"] = record.end;
+  if (!record.end_reason.empty()) json["end_reason"] = record.end_reason;
   json["version"] = kVersion;
   json["git_hash"] = GitRevision();
   json["options"] = record.options;
@@ -199,8 +205,10 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
   json["format"] = record.sequence_format;
   json["input"] = record.input_report;
   if (!record.light_field.empty()) json["light_field"] = VerdictToJson(record.light_field);
+  if (!record.notes.empty()) json["notes"] = record.notes;
   json["frame_count"] = record.frames.size();
   json["tracked_count"] = tracked;
+  json["unreadable_count"] = record.unreadable.size();
   json["keyframe_count"] = CountKeyframes(record.frames);
   const double count = static_cast<double>(record.frames.size());
   json["wall_seconds"] = record.wall_seconds;
@@ -235,7 +243,7 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
     const bool has_pose = next_pose < record.trajectory.size() &&
                           record.trajectory[next_pose].time_ns == frame.time_ns;
     json["frames"].push_back(
-        FrameToJson(frame, has_pose ? &record.trajectory[next_pose] : nullptr));
+        FrameToJson(frame, has_pose ? &record.trajectory[next_pose] : nullptr, record.unreadable));
     next_pose += has_pose;
   }
   return json;

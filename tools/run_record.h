@@ -18,13 +18,17 @@ namespace prism {
 
 // What run.json holds.
 struct RunRecord {
+  std::string end = "running";  // then "complete", "interrupted" or "failed"
+  std::string end_reason;       // of the latter two
   std::map<std::string, std::string> options;
   std::string camera_path;
   PlenopticCamera camera;
   std::string sequence_format;
   std::vector<std::string> input_report;  // what was found and assumed (Sequence)
   LightFieldVerdict light_field;          // of raw sequences
+  std::vector<std::string> notes;         // what is wrong with the sequence's lists
   std::vector<FrameResult> frames;
+  std::map<int64_t, std::string> unreadable;  // by time: why
   Trajectory trajectory;  // of the tracked ones, as known at the end; times as in `frames`
   std::map<int, int> piece_of_segment;  // of the map, at the end (Map)
   std::map<std::string, StageTimer::Summary> stages;

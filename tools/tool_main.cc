@@ -3,8 +3,10 @@
 #include "tools/tool_main.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <initializer_list>
 #include <iostream>
 #include <sstream>
@@ -14,6 +16,7 @@
 #include <glog/logging.h>
 
 #include "prism/base/error.h"
+#include "prism/base/format.h"
 #include "prism/base/version.h"
 #include "prism_git_revision.h"
 
@@ -38,13 +41,25 @@ std::vector<gflags::CommandLineFlagInfo> OwnFlags() {
   return flags;
 }
 
+// gflags writes 0.004 as 0.0040000000000000001.
+std::string ShortestNumber(const std::string& value, const std::string& type) {
+  if (type != "double") return value;
+  const double number = std::strtod(value.c_str(), nullptr);
+  char text[40];
+  for (const int digits : {6, 9, 15}) {
+    std::snprintf(text, sizeof(text), "%.*g", digits, number);
+    if (std::strtod(text, nullptr) == number) return text;
+  }
+  return value;
+}
+
 void PrintHelp(const ToolDescription& description) {
   std::cout << description.name << ": " << description.summary << "\n\nUsage: " << description.name
             << " " << description.usage << "\n\nExample:\n  " << description.example
             << "\n\nFlags:\n";
   for (const auto& flag : OwnFlags()) {
-    std::cout << "  --" << flag.name << "=" << flag.default_value << "  (" << flag.type
-              << ")\n      " << flag.description << "\n";
+    std::cout << "  --" << flag.name << "=" << ShortestNumber(flag.default_value, flag.type)
+              << "  (" << flag.type << ")\n      " << flag.description << "\n";
   }
   std::cout << "  --flagfile=\n      A file of flags, one a line.\n  --version\n      Prints "
                "version and revision.\n";
@@ -58,9 +73,21 @@ bool HasArgument(int argc, char** argv, std::initializer_list<const char*> names
   });
 }
 
+// One line of a length people read, whatever a file had in it.
+std::string OneLine(std::string text) {
+  constexpr size_t kLongest = 1000, kPart = 490;
+  if (text.size() > kLongest) {
+    text.replace(kPart, text.size() - 2 * kPart, " ... ");
+  }
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+  }
+  return text;
+}
+
 ExitStatus ReportBadInput(const ToolDescription& description, const std::string& what) {
   std::cout.flush();
-  std::cerr << description.name << ": " << what << std::endl;
+  std::cerr << description.name << ": " << OneLine(what) << std::endl;
   return kExitBadInput;
 }
 
@@ -70,12 +97,19 @@ std::string GitRevision() { return PRISM_GIT_REVISION; }
 
 std::map<std::string, std::string> EffectiveOptions() {
   std::map<std::string, std::string> options;
-  for (const auto& flag : OwnFlags()) options[flag.name] = flag.current_value;
+  for (const auto& flag : OwnFlags()) {
+    options[flag.name] = ShortestNumber(flag.current_value, flag.type);
+  }
   return options;
 }
 
 void RequireFlag(const std::string& name, const std::string& value, const std::string& expected) {
   if (value.empty()) throw InputError("--" + name, "nothing", expected);
+}
+
+void RequireInRange(const std::string& name, double value, double min, double max) {
+  if (value >= min && value <= max) return;
+  throw InputError("--" + name, Format("%g", value), Format("%g to %g", min, max));
 }
 
 std::vector<std::string> SplitAtCommas(const std::string& text) {
@@ -117,6 +151,8 @@ int RunTool(const ToolDescription& description,
     return ReportBadInput(description, "--" + std::string(error.what()));
   } catch (const InputError& error) {
     return ReportBadInput(description, error.what());
+  } catch (const std::exception& error) {  // of a library, or memory: nothing is known of it here
+    return ReportBadInput(description, std::string("ended by an error: ") + error.what());
   }
 }
 

@@ -35,6 +35,9 @@ std::map<std::string, std::string> EffectiveOptions();
 // Throws InputError("--name", "nothing", expected) if a required flag is empty.
 void RequireFlag(const std::string& name, const std::string& value, const std::string& expected);
 
+// Throws InputError("--name", value, "MIN to MAX") unless the value is a number between them.
+void RequireInRange(const std::string& name, double value, double min, double max);
+
 // The parts of a list flag; empty ones are left out.
 std::vector<std::string> SplitAtCommas(const std::string& text);
 

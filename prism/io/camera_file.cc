@@ -10,6 +10,7 @@
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_number.h"
+#include "prism/io/camera_plausibility.h"
 #include "prism/io/camera_xml.h"
 #include "prism/io/camera_yaml.h"
 
@@ -22,7 +23,9 @@ bool IsYaml(const std::string& extension) { return extension == ".yaml" || exten
 
 PinholeCamera ReadPinholeText(const std::string& path) {
   constexpr char kExpected[] = "one line 'fx fy cx cy width height' in px";
-  std::istringstream lines(ReadTextFile(path));
+  const std::string contents = ReadTextFile(path);
+  if (contents.find('\0') != std::string::npos) throw InputError(path, "a binary file", kExpected);
+  std::istringstream lines(contents);
   std::vector<double> numbers;
   std::string line;
   while (std::getline(lines, line)) {
@@ -70,6 +73,7 @@ MicroLensGrid ReadGridAndMode(const std::string& path, std::optional<MicroLensMo
   if (extension != ".xml") throw InputError(path, "the extension '" + extension + "'", kFormats);
   MicroLensGrid grid = ReadRaytrixXml(path, mode);
   RequireValid(grid, path);
+  RequirePlausibleGrid(grid, path);
   return grid;
 }
 
@@ -88,6 +92,11 @@ AnyCamera ReadCamera(const std::string& path) {
     throw InputError(path, "the extension '" + extension + "'", kFormats);
   }
   std::visit([&](const auto& c) { RequireValid(c, path); }, camera);
+  if (const auto* plenoptic = std::get_if<PlenopticCamera>(&camera)) {
+    RequirePlausibleCamera(*plenoptic, path);
+  } else {
+    RequirePlausiblePinhole(std::get<PinholeCamera>(camera), path);
+  }
   return camera;
 }
 
@@ -123,6 +132,7 @@ void AddMicroLensGrid(const std::string& path, PlenopticCamera* camera) {
 void RequireMetricDepth(const PlenopticCamera& camera, const std::string& path) {
   std::string error;
   if (!camera.HasMetricDepth(&error)) ThrowInvalid(path, error);
+  RequirePlausibleInfinity(camera, path);
 }
 
 void WriteNativeCamera(const std::string& path, const AnyCamera& camera) {

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include <glog/logging.h>
@@ -21,6 +23,10 @@ namespace prism {
 namespace {
 
 constexpr int kLifcalFocusedScale = 2;
+// Of one name, or unknown: more are no camera's.
+constexpr size_t kMaxChildren = 20;
+constexpr std::pair<const char*, double> kLengths_mm[] = {
+    {"mm", 1}, {"um", 1e-3}, {"\u00b5m", 1e-3}, {"cm", 10}, {"m", 1e3}};
 // A rotation this near to the angle of lens_base_x is taken to be in the base vectors already.
 constexpr double kRotationInBaseVectors = 0.1;
 
@@ -41,6 +47,14 @@ class Element {
   double Number(const char* name) const {
     return ParseCameraNumber(Text(name), file_, "a number in '" + name_ + "/" + name + "'");
   }
+  // A length in mm; the element may say that its number is in another unit.
+  double LengthMm(const char* name) const {
+    const std::string unit = Child(name).node_.attribute("units").as_string("mm");
+    for (const auto& [known, mm] : kLengths_mm) {
+      if (unit == known) return mm * Number(name);
+    }
+    throw InputError(file_, "'" + name_ + "/" + name + "' in '" + unit + "'", "mm, um, cm or m");
+  }
   double NumberOr(const char* name, double fallback) const {
     return Has(name) ? Number(name) : fallback;
   }
@@ -50,15 +64,28 @@ class Element {
   std::vector<Element> Children(const char* name) const {
     std::vector<Element> children;
     for (const pugi::xml_node& child : node_.children(name)) {
+      if (children.size() == kMaxChildren) {
+        throw InputError(file_,
+                         "more than " + std::to_string(kMaxChildren) + " elements '" + name + "'",
+                         "the figures of one camera");
+      }
       children.emplace_back(file_, name_ + "/" + name, child);
     }
     return children;
   }
   void WarnOfUnknown(std::vector<std::string> known) const {
     known.insert(known.end(), std::begin(kKeplerianElements), std::end(kKeplerianElements));
+    std::set<std::string> told;
     for (const pugi::xml_node& child : node_.children()) {
       if (child.type() != pugi::node_element) continue;
       if (std::find(known.begin(), known.end(), child.name()) != known.end()) continue;
+      if (!told.insert(child.name()).second) continue;
+      if (told.size() > kMaxChildren) {
+        throw InputError(
+            file_,
+            "more than " + std::to_string(kMaxChildren) + " unknown elements in '" + name_ + "'",
+            "a known one, for example '" + known.front() + "'");
+      }
       LOG(WARNING) << file_ << ": element '" << name_ << "/" << child.name() << "' is not used";
     }
   }
@@ -138,12 +165,12 @@ PlenopticCamera ReadLifcalXml(const std::string& path) {
   const Element size = root.Child("ImageSize");
   camera.raw_width = ParsePixelCount(size.Number("Width"), path) * kLifcalFocusedScale;
   camera.raw_height = ParsePixelCount(size.Number("Height"), path) * kLifcalFocusedScale;
-  camera.raw_pixel_size = 1e-3 * root.Number("PixelSize");
+  camera.raw_pixel_size = 1e-3 * root.LengthMm("PixelSize");
   camera.raw_principal_point =
       (root.Vector("PrincipalPoint").array() + 0.5) * kLifcalFocusedScale - 0.5;
-  camera.focal_length = 1e-3 * root.Number("FocalLength");
-  camera.main_lens_mla_distance = 1e-3 * root.Number("MainLensMlaDistance");
-  camera.sensor_mla_distance = 1e-3 * root.Number("SensorMlaDistance");
+  camera.focal_length = 1e-3 * root.LengthMm("FocalLength");
+  camera.main_lens_mla_distance = 1e-3 * root.LengthMm("MainLensMlaDistance");
+  camera.sensor_mla_distance = 1e-3 * root.LengthMm("SensorMlaDistance");
   if (root.Has("RadialDistortion")) {
     const Element radial = root.Child("RadialDistortion");
     camera.distortion.A0 = 1e6 * radial.NumberOr("A0", 0);

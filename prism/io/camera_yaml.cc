@@ -27,6 +27,9 @@ MicroLensGrid ReadGrid(const std::string& path, const YAML::Node& node) {
   const YAML::Node types = section.Get("lens_types", "a list of 1 or 3 micro-lens types");
   section.RejectUnknownKeys();
   grid.types.clear();
+  if (types.size() > 3) {
+    throw InputError(path, std::to_string(types.size()) + " lens_types", "1 or 3");
+  }
   for (const YAML::Node& type_node : types) {
     YamlSection type_section(path, "micro_lens_grid.lens_types", type_node);
     MicroLensType type;

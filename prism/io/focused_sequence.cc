@@ -34,6 +34,7 @@ cv::Mat Encode(const ImageF& image, const ImageF& measured, double offset, doubl
 
 FocusedSequence::FocusedSequence(const std::string& folder,
                                  const PlenopticCamera& camera,
+                                 bool skip_missing,
                                  double default_sigma)
     : width_(camera.focused_width()),
       height_(camera.focused_height()),
@@ -42,7 +43,7 @@ FocusedSequence::FocusedSequence(const std::string& folder,
   const std::string list = (root / "focused.txt").string();
   for (const TimedLine& line : ReadTimeList(list, 2, 3)) {
     for (const std::string& word : line.words) {
-      if (std::filesystem::is_regular_file(root / word)) continue;
+      if (skip_missing || IsFile(InFolder(folder, word))) continue;
       throw InputError(list + ":" + std::to_string(line.line_number),
                        "'" + word + "', which does not exist",
                        "an image");
@@ -152,7 +153,7 @@ std::string FormatTime(int64_t time_ns) {
 }
 
 bool IsFocusedSequence(const std::string& folder) {
-  return std::filesystem::is_regular_file(std::filesystem::path(folder) / "focused.txt");
+  return IsFile(InFolder(folder, "focused.txt"));
 }
 
 }  // namespace prism

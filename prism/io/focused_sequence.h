@@ -16,13 +16,14 @@ namespace prism {
 // 1/v = 1 - value / 65535 and sigma = value / 65535 * 0.1, 0 = no measurement.
 //
 // Throws InputError: no such folder or list, an empty list, times that do not increase, a file that
-// is missing; on Read an image that does not decode or is of another size than the camera's focused
-// image, and 1/v outside (0, 0.5].
+// is missing (with `skip_missing` only when it is read); on Read an image that does not decode or
+// is of another size than the camera's focused image, and 1/v outside (0, 0.5].
 class FocusedSequence {
  public:
   // Measurements without a sigma file get `default_sigma`.
   FocusedSequence(const std::string& folder,
                   const PlenopticCamera& camera,
+                  bool skip_missing = false,
                   double default_sigma = 0.004);
 
   int size() const { return static_cast<int>(entries_.size()); }

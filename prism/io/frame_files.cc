@@ -63,7 +63,7 @@ bool ComesBefore(const std::string& left, const std::string& right) {
 // The images of a folder in order; names.
 std::vector<std::string> ImagesIn(const std::string& folder) {
   std::vector<std::string> names;
-  if (!fs::is_directory(folder)) return names;
+  if (!IsFolder(folder)) return names;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (IsFrame(entry)) names.push_back(entry.path().filename().string());
   }
@@ -128,23 +128,24 @@ FrameFiles FromImages(const std::string& folder, const std::string& sub_folder, 
 }
 
 void RequireFile(const std::string& where, const std::string& name, const std::string& path) {
-  if (fs::is_regular_file(path)) return;
+  if (IsFile(path)) return;
   throw InputError(where, "'" + name + "', which does not exist", "a raw image");
 }
 
-FrameFiles FromRawList(const std::string& folder) {
+FrameFiles FromRawList(const std::string& folder, bool skip_missing) {
   const std::string list = InFolder(folder, "raw.txt");
   FrameFiles files;
   for (const TimedLine& line : ReadTimeList(list, 1)) {
     const std::string path = (fs::path(folder) / line.words[0]).string();
-    RequireFile(list + ":" + std::to_string(line.line_number), line.words[0], path);
+    if (!skip_missing)
+      RequireFile(list + ":" + std::to_string(line.line_number), line.words[0], path);
     files.frames.push_back({line.time_ns, path});
   }
   files.source = Format("%zu of raw.txt", files.frames.size());
   return files;
 }
 
-FrameFiles FromEuroc(const std::string& list) {
+FrameFiles FromEuroc(const std::string& list, bool skip_missing) {
   FrameFiles files;
   std::istringstream stream(ReadTextFile(list));
   std::string text;
@@ -162,7 +163,7 @@ FrameFiles FromEuroc(const std::string& list) {
     }
     const std::string name = text.substr(text.find_first_not_of(" ,", end - text.c_str()));
     const std::string path = (fs::path(list).parent_path() / "data" / name).string();
-    RequireFile(where, name, path);
+    if (!skip_missing) RequireFile(where, name, path);
     files.frames.push_back({time_ns, path});
   }
   if (files.frames.empty()) throw InputError(list, "no frames", "a line `time_ns,name` a frame");
@@ -173,17 +174,17 @@ FrameFiles FromEuroc(const std::string& list) {
 std::string EurocList(const std::string& folder) {
   for (const char* name : {"data.csv", "mav0/cam0/data.csv", "cam0/data.csv"}) {
     const std::string path = InFolder(folder, name);
-    if (fs::is_regular_file(path)) return path;
+    if (IsFile(path)) return path;
   }
   return "";
 }
 
 }  // namespace
 
-FrameFiles FindFrameFiles(const std::string& folder, double rate_hz) {
-  if (fs::is_regular_file(InFolder(folder, "raw.txt"))) return FromRawList(folder);
+FrameFiles FindFrameFiles(const std::string& folder, double rate_hz, bool skip_missing) {
+  if (IsFile(InFolder(folder, "raw.txt"))) return FromRawList(folder, skip_missing);
   const std::string euroc = EurocList(folder);
-  if (!euroc.empty()) return FromEuroc(euroc);
+  if (!euroc.empty()) return FromEuroc(euroc, skip_missing);
   const std::string sub_folder = FolderOfImages(folder);
   if (sub_folder.empty()) {
     throw InputError(folder, "neither raw.txt, data.csv nor images", "raw frames");
@@ -197,8 +198,8 @@ bool HasUnlistedFrames(const std::string& folder) {
 
 std::string FindFile(const std::string& folder, const std::string& name) {
   const std::string exact = InFolder(folder, name);
-  if (fs::is_regular_file(exact)) return exact;
-  if (!fs::is_directory(folder)) return "";
+  if (IsFile(exact)) return exact;
+  if (!IsFolder(folder)) return "";
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file() && LowerCase(entry.path().filename().string()) == LowerCase(name)) {
       return entry.path().string();

@@ -26,7 +26,8 @@ struct FrameFiles {
 // Times of the latter: `rate_hz`, if it is above 0; else those in the names (19 digits ns, 16 us,
 // digits with a point s); else 10 Hz is assumed. Names are ordered as people do, 9 before 10.
 // Throws InputError for a folder without frames, a bad list, a file of a list that is missing.
-FrameFiles FindFrameFiles(const std::string& folder, double rate_hz);
+// With `skip_missing` such a file is no error here.
+FrameFiles FindFrameFiles(const std::string& folder, double rate_hz, bool skip_missing = false);
 
 // True if FindFrameFiles would find images there without a raw.txt.
 bool HasUnlistedFrames(const std::string& folder);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <set>
 
 #include <opencv2/core/persistence.hpp>
@@ -56,13 +55,13 @@ class MapReader {
  public:
   explicit MapReader(const std::string& folder)
       : folder_(folder), path_(InFolder(folder, "map.yml")) {
-    if (!std::filesystem::is_regular_file(path_)) {
+    if (!IsFile(path_)) {
       throw InputError(path_, "no such file", "a map of prism_vo --save_map");
     }
     const std::string text = ReadTextFile(path_);
     try {
       file_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-    } catch (const cv::Exception&) {
+    } catch (const std::exception&) {
     }
     std::string format;
     if (file_.isOpened()) file_["format"] >> format;
@@ -184,6 +183,17 @@ class MapReader {
   cv::Mat Matrix(const cv::FileNode& node, const char* key, int type, int columns) const {
     cv::Mat matrix;
     try {
+      // Memory for it is taken before the data are read; a size that is a text counts as 2^31 - 1.
+      constexpr int kMaxSide = 1000000;
+      const cv::FileNode header =
+          Get(node, key, [](const cv::FileNode& value) { return value.isMap(); });
+      for (const char* side : {"rows", "cols"}) {
+        if (!header[side].isInt() || static_cast<int>(header[side]) > kMaxSide) {
+          throw InputError(path_,
+                           "'" + std::string(key) + "' without '" + side + "' or with too many",
+                           "up to " + std::to_string(kMaxSide));
+        }
+      }
       Get(node, key, [](const cv::FileNode& value) { return value.isMap(); }) >> matrix;
     } catch (const cv::Exception&) {
       matrix = cv::Mat(1, 1, CV_16S);  // of no type that is asked for
@@ -228,9 +238,15 @@ void WriteMap(const std::string& folder,
 }
 
 std::vector<MappedPlace> ReadMap(const std::string& folder, const PlenopticProjection& camera) {
-  const MapReader reader(folder);
-  reader.RequireCamera(camera);
-  return reader.Places(camera.width, camera.height);
+  try {
+    const MapReader reader(folder);
+    reader.RequireCamera(camera);
+    return reader.Places(camera.width, camera.height);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {  // OpenCV's parser has many ways to fail
+    throw InputError(InFolder(folder, "map.yml"), "'" + std::string(error.what()) + "'", kFormat);
+  }
 }
 
 }  // namespace prism

@@ -3,14 +3,19 @@
 #include "prism/io/raw_sequence.h"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <utility>
 
 #include "prism/base/error.h"
+#include "prism/io/atomic_file.h"
 #include "prism/io/image_file.h"
 
 namespace prism {
 namespace {
+
+// Of frames in a row that cannot be read, to find one that can.
+constexpr int kMaxTries = 20;
 
 void RequireRawType(const std::string& path, const cv::Mat& image) {
   const bool depth = image.depth() == CV_8U || image.depth() == CV_16U;
@@ -27,9 +32,10 @@ void RequireRawType(const std::string& path, const cv::Mat& image) {
 RawSequence::RawSequence(const std::string& folder,
                          const PlenopticCamera& camera,
                          int channels,
-                         double rate_hz)
+                         double rate_hz,
+                         bool skip_missing)
     : folder_(folder), width_(camera.raw_width), height_(camera.raw_height), channels_(channels) {
-  FrameFiles files = FindFrameFiles(folder, rate_hz);
+  FrameFiles files = FindFrameFiles(folder, rate_hz, skip_missing);
   files_ = std::move(files.frames);
   source_ = std::move(files.source);
 }
@@ -37,7 +43,20 @@ RawSequence::RawSequence(const std::string& folder,
 std::vector<RawFrame> RawSequence::ReadSome(int max_frames) const {
   const int count = std::min(size(), max_frames);
   std::vector<RawFrame> frames;
-  for (int i = 0; i < count; ++i) frames.push_back(Read(i * size() / count));
+  std::exception_ptr first_error;
+  for (int i = 0; i < count; ++i) {
+    // Of a stretch of the sequence the first frame that can be read.
+    for (int k = i * size() / count; k < (i + 1) * size() / count; ++k) {
+      try {
+        frames.push_back(Read(k));
+        break;
+      } catch (const InputError&) {
+        if (!first_error) first_error = std::current_exception();
+      }
+      if (k - i * size() / count >= kMaxTries) break;
+    }
+  }
+  if (frames.empty()) std::rethrow_exception(first_error);
   return frames;
 }
 
@@ -55,6 +74,11 @@ RawFrame RawSequence::Read(int index) const {
   frame.image = ReadImageUnchanged(entry.path);
   RequireImageSize(entry.path, frame.image, width_, height_);
   RequireRawType(entry.path, frame.image);
+  if (type_ >= 0 && frame.image.depth() != CV_MAT_DEPTH(type_)) {
+    throw InputError(entry.path,
+                     std::to_string(8 * frame.image.elemSize1()) + " bits a channel",
+                     std::to_string(8 * CV_ELEM_SIZE1(type_)) + ", as the frames before");
+  }
   if (channels_ != 0 && frame.image.channels() != channels_) {
     throw InputError(
         entry.path,
@@ -89,8 +113,6 @@ cv::Mat ReadWhiteImage(const std::string& path, const PlenopticCamera& camera) {
   return white;
 }
 
-bool IsRawSequence(const std::string& folder) {
-  return std::filesystem::is_regular_file(std::filesystem::path(folder) / "raw.txt");
-}
+bool IsRawSequence(const std::string& folder) { return IsFile(InFolder(folder, "raw.txt")); }
 
 }  // namespace prism

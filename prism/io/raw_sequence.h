@@ -19,9 +19,9 @@ namespace prism {
 // .jpg).
 //
 // Throws InputError: no such folder or frames, an empty list, times that do not increase, a file
-// that is missing; on Read an image that does not decode, is of another size than the camera's raw
-// image or has another number of channels than declared (a colour image where gray or a Bayer
-// pattern is).
+// that is missing (with `skip_missing` only when it is read); on Read an image that does not
+// decode, is of another size than the camera's raw image, has another number of channels than
+// declared (a colour image where gray or a Bayer pattern is) or other bits than the frames before.
 class RawSequence {
  public:
   // `channels`: 1 (gray or Bayer) or 3 (colour) of every image; 0: either. `rate_hz`: of frames
@@ -29,7 +29,8 @@ class RawSequence {
   RawSequence(const std::string& folder,
               const PlenopticCamera& camera,
               int channels = 0,
-              double rate_hz = 0);
+              double rate_hz = 0,
+              bool skip_missing = false);
 
   int size() const { return static_cast<int>(files_.size()); }
   int64_t time_ns(int index) const { return files_[index].time_ns; }
@@ -40,8 +41,12 @@ class RawSequence {
   // Safe to call from several threads. Precondition: 0 <= index < size().
   RawFrame Read(int index) const;
 
-  // At most `max_frames`, spread evenly over the sequence.
+  // At most `max_frames`, spread evenly over the sequence. Frames that cannot be read are passed
+  // over; the error of the first is thrown only if there are no others.
   std::vector<RawFrame> ReadSome(int max_frames) const;
+
+  // The OpenCV type of a frame that was read: its bits are those of all others.
+  void set_type(int type) { type_ = type; }
 
   // Path of the folder's white image, empty if it has none.
   std::string WhiteImagePath() const;
@@ -50,6 +55,7 @@ class RawSequence {
   std::string folder_;
   int width_, height_;
   int channels_;
+  int type_ = -1;  // not known
   std::vector<FrameFile> files_;
   std::string source_;
 };

@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <map>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "prism/base/error.h"
+#include "prism/base/format.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/image_file.h"
@@ -22,10 +25,28 @@ namespace prism {
 namespace {
 
 constexpr int64_t kMaxTimeDifferenceNs = 20'000'000;
+// Of what somebody else has associated.
+constexpr int64_t kMaxAssociatedNs = 100'000'000;
 
-bool Exists(const std::string& folder, const char* name) {
-  return std::filesystem::is_regular_file(InFolder(folder, name));
-}
+bool Exists(const std::string& folder, const char* name) { return IsFile(InFolder(folder, name)); }
+
+std::string Milliseconds(int64_t ns) { return Format("%.1f ms", 1e-6 * static_cast<double>(ns)); }
+
+// Images that nothing is made of, by their lines in a list.
+struct LeftOut {
+  std::vector<int> lines;
+  int64_t first_distance_ns = 0;
+
+  void Add(int line, int64_t distance_ns) {
+    if (lines.empty()) first_distance_ns = distance_ns;
+    lines.push_back(line);
+  }
+  std::string Text(const std::string& list, const char* partner) const {
+    return list + ": " + std::to_string(lines.size()) + " images left out, whose nearest " +
+           partner + " image is more than 20 ms away (the first: line " +
+           std::to_string(lines.front()) + ", " + Milliseconds(first_distance_ns) + ")";
+  }
+};
 
 }  // namespace
 
@@ -64,16 +85,17 @@ bool IsRgbdSequence(const std::string& folder) {
 RgbdSequence::RgbdSequence(const std::string& folder,
                            const PlenopticCamera& lens,
                            const RgbdConversionOptions& options,
-                           const RgbdLayoutOptions& layout)
+                           const RgbdLayoutOptions& layout,
+                           bool skip_missing)
     : folder_(folder), depth_factor_(layout.depth_factor), options_(options) {
-  if (!std::filesystem::is_directory(folder)) {
+  if (!IsFolder(folder)) {
     throw InputError(folder, "no such folder", "a sequence in TUM RGB-D layout");
   }
   if (layout.pinhole.empty()) {
     camera_ = PlenopticFromPinhole(ReadCamera(layout), lens);
-    ReadEntries();
+    ReadEntries(skip_missing);
   } else {
-    ReadEntries();  // an image of them tells the size
+    ReadEntries(skip_missing);  // an image of them tells the size
     camera_ = PlenopticFromPinhole(ReadCamera(layout), lens);
   }
 }
@@ -119,36 +141,18 @@ PinholeCamera RgbdSequence::ReadCamera(const RgbdLayoutOptions& layout) {
   return square;
 }
 
-void RgbdSequence::ReadEntries() {
+void RgbdSequence::ReadEntries(bool skip_missing) {
   const std::string& folder = folder_;
   if (Exists(folder, "associations.txt")) {
-    const std::string path = InFolder(folder, "associations.txt");
-    for (const TimedLine& line : ReadTimeList(path, 3)) {
-      ParseTimeNs(line.words[1], path + ":" + std::to_string(line.line_number));
-      entries_.push_back({line.time_ns, line.words[0], line.words[2]});
-    }
+    ReadAssociations();
   } else if (IsRgbdSequence(folder)) {
-    const std::vector<TimedLine> images = ReadTimeList(InFolder(folder, "rgb.txt"), 1);
-    size_t image = 0;
-    const std::string depth_list = InFolder(folder, "depth.txt");
-    for (const TimedLine& depth : ReadTimeList(depth_list, 1)) {
-      const auto distance = [&](size_t i) { return std::llabs(images[i].time_ns - depth.time_ns); };
-      while (image + 1 < images.size() && distance(image + 1) <= distance(image)) ++image;
-      if (distance(image) > kMaxTimeDifferenceNs) {
-        throw InputError(depth_list + ":" + std::to_string(depth.line_number),
-                         "a depth image whose nearest colour image is " +
-                             std::to_string(1e-6 * static_cast<double>(distance(image))) +
-                             " ms away",
-                         "one within 20 ms in rgb.txt");
-      }
-      if (!entries_.empty() && entries_.back().time_ns == images[image].time_ns) continue;
-      entries_.push_back({images[image].time_ns, images[image].words[0], depth.words[0]});
-    }
+    AssociateLists();
   } else {
     throw InputError(folder,
                      "neither associations.txt nor rgb.txt and depth.txt",
                      "a sequence in TUM RGB-D layout");
   }
+  if (skip_missing) return;
   // A missing image is better known now than after half of the run.
   for (const Entry& entry : entries_) {
     for (const std::string& path : {entry.image_path, entry.depth_path}) {
@@ -159,10 +163,67 @@ void RgbdSequence::ReadEntries() {
   }
 }
 
+void RgbdSequence::ReadAssociations() {
+  const std::string path = InFolder(folder_, "associations.txt");
+  for (const TimedLine& line : ReadTimeList(path, 3)) {
+    const std::string where = path + ":" + std::to_string(line.line_number);
+    const int64_t distance = std::llabs(ParseTimeNs(line.words[1], where) - line.time_ns);
+    if (distance > kMaxAssociatedNs) {
+      throw InputError(where,
+                       "a depth image " + Milliseconds(distance) + " from its colour image",
+                       "one within 100 ms");
+    }
+    entries_.push_back({line.time_ns, line.words[0], line.words[2]});
+  }
+}
+
+void RgbdSequence::AssociateLists() {
+  const std::string image_list = InFolder(folder_, "rgb.txt");
+  const std::string depth_list = InFolder(folder_, "depth.txt");
+  const std::vector<TimedLine> images = ReadTimeList(image_list, 1);
+  const std::vector<TimedLine> depths = ReadTimeList(depth_list, 1);
+  const auto nearest = [](const std::vector<TimedLine>& lines, int64_t time_ns, size_t from) {
+    const auto distance = [&](size_t i) { return std::llabs(lines[i].time_ns - time_ns); };
+    while (from + 1 < lines.size() && distance(from + 1) <= distance(from)) ++from;
+    return std::pair<size_t, int64_t>(from, distance(from));
+  };
+  LeftOut lone_depths, lone_images;
+  size_t image = 0;
+  for (const TimedLine& depth : depths) {
+    int64_t distance = 0;
+    std::tie(image, distance) = nearest(images, depth.time_ns, image);
+    if (distance > kMaxTimeDifferenceNs) {
+      lone_depths.Add(depth.line_number, distance);
+      continue;
+    }
+    if (!entries_.empty() && entries_.back().time_ns == images[image].time_ns) continue;
+    entries_.push_back({images[image].time_ns, images[image].words[0], depth.words[0]});
+  }
+  size_t depth = 0;
+  for (const TimedLine& line : images) {
+    int64_t distance = 0;
+    std::tie(depth, distance) = nearest(depths, line.time_ns, depth);
+    if (distance > kMaxTimeDifferenceNs) lone_images.Add(line.line_number, distance);
+  }
+  // Here and there one is missing; lists of two recordings are something else.
+  if (2 * lone_depths.lines.size() >= depths.size()) {
+    throw InputError(depth_list + ":" + std::to_string(lone_depths.lines.front()),
+                     "a depth image whose nearest colour image is " +
+                         Milliseconds(lone_depths.first_distance_ns) + " away, as are half of all",
+                     "one within 20 ms in rgb.txt");
+  }
+  if (!lone_depths.lines.empty()) notes_.push_back(lone_depths.Text(depth_list, "colour"));
+  if (!lone_images.lines.empty()) notes_.push_back(lone_images.Text(image_list, "depth"));
+}
+
 RgbdSequence::Images RgbdSequence::ReadImages(const Entry& entry) const {
   const int width = camera_.raw_width, height = camera_.raw_height;
+  const std::string depth_path = InFolder(folder_, entry.depth_path);
   Images images = {ReadGrayImage(InFolder(folder_, entry.image_path), width, height),
-                   Read16BitImage(InFolder(folder_, entry.depth_path), width, height)};
+                   Read16BitImage(depth_path, width, height)};
+  if (cv::countNonZero(images.depth != 65535) == 0) {
+    throw InputError(depth_path, "65535 everywhere", "depth (no measurement is 0)");
+  }
   if (map_x_.empty()) return images;
   Images resampled;
   cv::remap(images.gray, resampled.gray, map_x_, map_y_, cv::INTER_LINEAR);

@@ -28,20 +28,23 @@ struct RgbdLayoutOptions {
 std::vector<double> ParsePinhole(const std::string& text);
 
 // A folder in TUM RGB-D layout: `associations.txt` (time rgb time depth a line) or `rgb.txt` and
-// `depth.txt` (time path a line, matched by time within 20 ms), 16-bit depth PNGs in 1/5000 m with
-// 0 = none, and `calibration.txt` (fx fy cx cy width height) or RgbdLayoutOptions::pinhole. Where
-// pixels are not square, or there is distortion, images and depth are resampled to what a camera
-// without them sees. Frames are turned into plenoptic ones.
+// `depth.txt` (time path a line, matched by time within 20 ms; what has no partner is left out),
+// 16-bit depth PNGs in 1/5000 m with 0 = none, and `calibration.txt` (fx fy cx cy width height) or
+// RgbdLayoutOptions::pinhole. Where pixels are not square, or there is distortion, images and depth
+// are resampled to what a camera without them sees. Frames are turned into plenoptic ones.
 //
-// Throws InputError: missing or empty folder or list, times that do not increase, a depth file
-// without its image, and on Read an image that is missing, does not decode or has another size.
+// Throws InputError: missing or empty folder or list, times that do not increase, lists of which
+// half have no partner, an associated pair 100 ms apart, a missing file (with `skip_missing` only
+// when it is read); on Read an image that is missing, does not decode or has another size, or depth
+// of 65535 everywhere.
 class RgbdSequence {
  public:
   // `lens` gives f_L, b_L0 and B of the plenoptic camera to stand in for.
   RgbdSequence(const std::string& folder,
                const PlenopticCamera& lens,
                const RgbdConversionOptions& options,
-               const RgbdLayoutOptions& layout = {});
+               const RgbdLayoutOptions& layout = {},
+               bool skip_missing = false);
 
   int size() const { return static_cast<int>(entries_.size()); }
   const PlenopticCamera& camera() const { return camera_; }
@@ -49,6 +52,8 @@ class RgbdSequence {
   // The files of a frame, within the folder.
   const std::string& image_path(int index) const { return entries_[index].image_path; }
   const std::string& depth_path(int index) const { return entries_[index].depth_path; }
+  // What the lists leave out, a line each: images without a partner.
+  const std::vector<std::string>& notes() const { return notes_; }
 
   // Deterministic in the index and the seed; safe to call from several threads with a timer each,
   // which gets the stages "read image" and "convert frame" (null: none).
@@ -65,8 +70,10 @@ class RgbdSequence {
     cv::Mat depth;  // as stored
   };
 
-  void ReadEntries();
+  void ReadEntries(bool skip_missing);
   PinholeCamera ReadCamera(const RgbdLayoutOptions& layout);
+  void ReadAssociations();
+  void AssociateLists();  // of rgb.txt and depth.txt
   Images ReadImages(const Entry& entry) const;
 
   std::string folder_;
@@ -75,6 +82,7 @@ class RgbdSequence {
   PlenopticCamera camera_;
   RgbdConversionOptions options_;
   std::vector<Entry> entries_;
+  std::vector<std::string> notes_;
 };
 
 // True if the folder looks like such a sequence.

@@ -32,7 +32,9 @@ int64_t ParseTimeNs(const std::string& seconds, const std::string& where) {
 }
 
 std::vector<TimedLine> ReadTimeList(const std::string& path, int num_words, int max_words) {
-  std::istringstream stream(ReadTextFile(path));
+  const std::string contents = ReadTextFile(path);
+  if (contents.find('\0') != std::string::npos) throw InputError(path, "a binary file", "a list");
+  std::istringstream stream(contents);
   std::vector<TimedLine> lines;
   std::string text;
   for (int number = 1; std::getline(stream, text); ++number) {

@@ -29,6 +29,9 @@ struct Line {
 
 std::vector<Line> DataLines(const std::string& path) {
   const std::string contents = ReadTextFile(path);
+  if (contents.find('\0') != std::string::npos) {
+    throw InputError(path, "a binary file", "a trajectory, one pose a line");
+  }
   std::vector<Line> lines;
   int number = 0;
   for (size_t begin = 0; begin < contents.size();) {

@@ -11,6 +11,13 @@ YamlSection::YamlSection(const std::string& path, const std::string& name, const
   if (!node.IsMap()) {
     throw InputError(path, name.empty() ? "no map" : "'" + name + "' that is no map", "keys");
   }
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    const auto key = entry.first.as<std::string>();
+    if (!seen.insert(key).second) {
+      throw InputError(path, "the key '" + prefix_ + key + "' twice", "each key once");
+    }
+  }
 }
 
 bool YamlSection::Has(const std::string& key) {

@@ -73,6 +73,8 @@ const char* ToString(FrameStatus status) {
       return "lost";
     case FrameStatus::kDepthsDisagree:
       return "depths disagree";
+    case FrameStatus::kUnreadable:
+      return "unreadable";
   }
   return "";
 }
@@ -177,6 +179,19 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   last_pose_ = result.state.pose() * map_.WorldFromSegment(segment_).Inverse();
   result.state.set_pose(last_pose_);
   result.active_points = window_.NumPoints();
+  return result;
+}
+
+FrameResult Odometry::Skip(int64_t time_ns) const {
+  FrameResult result;
+  result.time_ns = time_ns;
+  result.status = FrameStatus::kUnreadable;
+  result.segment = segment_;
+  if (window_.empty()) return result;
+  if (const auto motion = tracker_.PredictMotion(time_ns)) {
+    result.sigma = motion->sigma;
+    result.state.set_pose(motion->target_from_reference * map_.CamFromWorld(window_.newest().id));
+  }
   return result;
 }
 

@@ -25,6 +25,7 @@ enum class FrameStatus {
   kNoTexture,
   kLost,
   kDepthsDisagree,  // the images match, but not the depths the frame measures itself: lost as well
+  kUnreadable,      // there was no frame (Odometry::Skip)
 };
 const char* ToString(FrameStatus status);
 // kTracked or kHeld.
@@ -87,6 +88,10 @@ class Odometry {
   void LoadPlaces(const std::vector<MappedPlace>& places);
 
   FrameResult Process(LightFieldFrame frame);
+
+  // A frame that should have come at this time and did not. Changes nothing for the frames after
+  // it; the result has the pose that motion predicts.
+  FrameResult Skip(int64_t time_ns) const;
 
   Trajectory FrameTrajectory() const { return map_.FrameTrajectory(); }
   Trajectory KeyframeTrajectory() const { return map_.KeyframeTrajectory(); }

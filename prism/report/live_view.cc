@@ -14,8 +14,9 @@
 #include <thread>
 #include <utility>
 
-#include <httplib.h>
 #include <nlohmann/json.hpp>
+
+#include "prism/report/guarded_server.h"
 
 namespace prism {
 namespace {
@@ -24,13 +25,10 @@ using Clock = std::chrono::steady_clock;
 
 // How often a stream without news is written to, to notice that the browser has gone.
 constexpr auto kHeartbeat = std::chrono::seconds(1);
-constexpr auto kPageLoadTime = std::chrono::seconds(5);
-// At the end: with a browser that takes nothing, and in all. A page that draws may take nothing for
-// a second or two.
-constexpr auto kPatience = std::chrono::seconds(5);
-constexpr auto kLongestEnd = std::chrono::seconds(30);
+// At the end.
+constexpr auto kPageLoadTime = std::chrono::milliseconds(800);
+constexpr auto kLongestEnd = std::chrono::seconds(1);
 constexpr size_t kEventsAtOnce = 8;  // written together
-constexpr size_t kThreads = 16;      // each serves one browser
 
 using Update = std::shared_ptr<const RunUpdate>;
 
@@ -109,7 +107,9 @@ struct LiveView::Server {
     bool is_of_other_run = false;
   };
 
-  httplib::Server http;
+  explicit Server(const std::string& address) : http(address) {}
+
+  GuardedServer http;
   std::thread thread;
   std::string page;
   // Tells this run's event ids from those of one before on the same port.
@@ -122,7 +122,6 @@ struct LiveView::Server {
   std::vector<std::shared_ptr<Browser>> browsers;
   int pages_loading = 0;  // asked for, their streams not yet
   Clock::time_point last_page_time;
-  Clock::time_point last_progress_time;  // when a browser took an update
   bool stopping = false;
 
   void PageAskedFor() {
@@ -185,7 +184,6 @@ struct LiveView::Server {
     const bool is_written = sink->write(text.data(), text.size());
     const std::lock_guard<std::mutex> lock(mutex);
     browser->next = next;
-    if (is_written && !updates.empty()) last_progress_time = Clock::now();
     changed.notify_all();
     return is_written;
   }
@@ -196,14 +194,9 @@ struct LiveView::Server {
     changed.wait_until(lock, last_page_time + kPageLoadTime, [&] { return pages_loading == 0; });
     stopping = true;
     changed.notify_all();
-    const Clock::time_point begin = Clock::now();
-    last_progress_time = begin;
-    // Each stream has to come to its orderly end: what a browser has not read of one that is cut
-    // off is lost to it.
-    while (!browsers.empty() && Clock::now() < begin + kLongestEnd &&
-           Clock::now() < last_progress_time + kPatience) {
-      changed.wait_for(lock, std::chrono::milliseconds(100));
-    }
+    // Each stream should come to its orderly end: what a browser has not taken of one that is cut
+    // off is lost to it. But nobody may hold up the program.
+    changed.wait_until(lock, Clock::now() + kLongestEnd, [&] { return browsers.empty(); });
   }
 };
 
@@ -211,10 +204,9 @@ std::unique_ptr<LiveView> LiveView::Start(const std::string& address,
                                           int port,
                                           const RunReport& run,
                                           std::string* error) {
-  auto server = std::make_unique<Server>();
+  auto server = std::make_unique<Server>(address);
   Server* const s = server.get();
   s->page = FormatReport(run, true);
-  s->http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
   // The library's default would let two runs share a port, and browsers get now one, now the other.
   s->http.set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -246,6 +238,7 @@ LiveView::~LiveView() {
   server_->WaitForBrowsers();
   while (!server_->http.is_running()) std::this_thread::yield();  // stop() before that is lost
   server_->http.stop();
+  server_->http.CutConnections();
   server_->thread.join();
 }
 

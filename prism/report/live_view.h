@@ -33,9 +33,9 @@ struct RunUpdate {
 //
 // Publish only appends to a list; updates are encoded and sent by the threads that serve browsers,
 // so that without a browser nothing is encoded and neither a slow one nor one that goes away holds
-// up the run. Of the keyframes, the images and points of the latest 64 are held; of older ones a
-// browser that comes late gets the poses. What is held beside them grows by the frames' figures,
-// some 0.6 kB each.
+// up the run. Requests are bounded, and those of a foreign Host refused (GuardedServer). Of the
+// keyframes, the images and points of the latest 64 are held; of older ones a browser that comes
+// late gets the poses. What is held beside them grows by the frames' figures, some 0.6 kB each.
 class LiveView {
  public:
   static constexpr size_t kImagesHeld = 64;
@@ -46,9 +46,8 @@ class LiveView {
                                          int port,
                                          const RunReport& run,
                                          std::string* error);
-  // Ends the server once browsers have got what is left: waits as long as one of them takes
-  // something every five seconds, and thirty at most. A page asked for less than five seconds ago
-  // is given the time to open its stream before that.
+  // Ends the server once browsers have got what is left, within two seconds: one for that, and
+  // before it nearly one for a page that was asked for just now to open its stream.
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;

@@ -8,9 +8,9 @@ namespace prism {
 
 std::string PageWithData(const char* page, const nlohmann::json& data) {
   std::string text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  // "</" would end the script element the data stand in.
-  for (size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at)) {
-    text.replace(at, 2, "<\\/");
+  // "</" would end the script element the data stand in, "<!--<script" swallow what follows it.
+  for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
+    text.replace(at, 1, "\\u003c");
   }
   const std::string marker = "%REPORT_DATA%";
   std::string result = page;

@@ -66,8 +66,10 @@ bool IsRawColour(const std::string& colour) { return PixelsOf(colour).has_value(
 LightFieldOptions LightFieldOptionsOf(const RawInputOptions& options) {
   const std::optional<RawPixels> pixels = PixelsOf(options.colour);
   if (!pixels) throw OptionError("colour", "'" + options.colour + "'", kRawColours);
-  if (options.threads < 0) {
-    throw OptionError("threads", std::to_string(options.threads), "0 (one a core) or more");
+  if (options.threads < 0 || options.threads > kMaxThreads) {
+    throw OptionError("threads",
+                      std::to_string(options.threads),
+                      "0 (one a core) to " + std::to_string(kMaxThreads));
   }
   LightFieldOptions light_field;
   light_field.preparation.pixels = *pixels;
@@ -89,11 +91,16 @@ RawInput OpenRawInput(const RawInputOptions& options) {
                      "one there, in MLA_Calibration.xml beside the frames or in a micro_lens_grid "
                      "file, for raw frames (prism_lightfield --estimate_grid finds it)");
   }
-  input.sequence.emplace(options.folder, input.camera, ChannelsOf(options.colour), options.rate_hz);
+  input.sequence.emplace(options.folder,
+                         input.camera,
+                         ChannelsOf(options.colour),
+                         options.rate_hz,
+                         options.skip_missing);
   const std::string white =
       options.white_image.empty() ? input.sequence->WhiteImagePath() : options.white_image;
   const bool has_white = !white.empty() && white != kNoWhiteImage;
   const std::vector<RawFrame> frames = input.sequence->ReadSome(has_white ? 1 : kFramesToLookAt);
+  input.sequence->set_type(frames.front().image.type());
   RequireItsColour(frames.front(), options);
   if (has_white) input.white = ReadWhiteImage(white, input.camera);
   const std::string grid_path =

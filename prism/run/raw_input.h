@@ -18,6 +18,8 @@ inline constexpr char kRawColours[] =
     "auto, gray, colour, bayer_rggb, bayer_bggr, bayer_grbg or bayer_gbrg";
 bool IsRawColour(const std::string& colour);
 
+inline constexpr int kMaxThreads = 1024;
+
 inline constexpr char kNoWhiteImage[] = "none";
 
 // What a user says of a raw sequence; files and folders may be empty where that is said.
@@ -32,6 +34,7 @@ struct RawInputOptions {
   int threads = 0;              // of the processing, now and later (LightFieldOptions)
   bool focus_colour = false;    // LightFieldFrame::colour of colour and Bayer frames as well
   double rate_hz = 0;           // of frames without a list (FindFrameFiles)
+  bool skip_missing = false;    // files that are missing are no error before they are read
 };
 
 // Frames of a sequence that are looked at where a camera's files leave something open.

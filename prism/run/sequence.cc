@@ -3,13 +3,15 @@
 #include "prism/run/sequence.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "prism/base/error.h"
 #include "prism/base/format.h"
+#include "prism/io/atomic_file.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
 #include "prism/io/frame_files.h"
@@ -30,6 +32,7 @@ struct SharedVerdict {
 namespace {
 
 constexpr char kReadImage[] = "read image";
+constexpr int kMaxPasses = 1000;
 
 struct BadOption {
   std::string name, found, expected;
@@ -48,8 +51,12 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
   }
   if (options.start_frame < 0) return bad("start_frame", options.start_frame, "0 or more");
   if (options.max_frames < 0) return bad("max_frames", options.max_frames, "0 (all) or more");
-  if (options.ping_pong < 0) return bad("ping_pong", options.ping_pong, "0 or more passes");
-  if (options.threads < 0) return bad("threads", options.threads, "0 (one a core) or more");
+  if (options.ping_pong < 0 || options.ping_pong > kMaxPasses) {
+    return bad("ping_pong", options.ping_pong, "0 to " + std::to_string(kMaxPasses) + " passes");
+  }
+  if (options.threads < 0 || options.threads > kMaxThreads) {
+    return bad("threads", options.threads, "0 (one a core) to " + std::to_string(kMaxThreads));
+  }
   if (!(options.rate_hz >= 0 && options.rate_hz < 1e6)) {
     return bad("rate_hz", options.rate_hz, "0 (by the names) or more");
   }
@@ -62,7 +69,7 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
 }
 
 std::string DetectFormat(const SequenceOptions& options) {
-  if (!std::filesystem::is_directory(options.sequence)) {
+  if (!IsFolder(options.sequence)) {
     throw InputError(options.sequence, "no such folder", "a sequence folder");
   }
   if (!options.format.empty()) return options.format;
@@ -80,6 +87,7 @@ struct Layout {
   PlenopticCamera camera;
   std::vector<std::string> report;
   std::string grid_report;
+  std::vector<std::string> notes;
   std::vector<int64_t> times_ns;
   std::function<LightFieldFrame(int file_index, StageTimer* timer)> read;
   std::shared_ptr<SharedVerdict> verdict = std::make_shared<SharedVerdict>();
@@ -98,13 +106,14 @@ Layout OpenRgbd(const SequenceOptions& options) {
   if (!options.pinhole.empty()) layout_options.pinhole = ParsePinhole(options.pinhole);
   const PlenopticCamera lens =
       options.camera.empty() ? StandInCamera() : ReadMetricCamera(options.camera);
-  auto reader =
-      std::make_shared<const RgbdSequence>(options.sequence, lens, options.rgbd, layout_options);
+  auto reader = std::make_shared<const RgbdSequence>(
+      options.sequence, lens, options.rgbd, layout_options, options.skip_missing);
   Layout layout;
   layout.report = {Format("frames: %d pairs of image and depth", reader->size()),
                    "pinhole: " + (options.pinhole.empty() ? "calibration.txt" : options.pinhole),
                    Format("depth: %g a metre", options.depth_factor)};
   layout.camera = reader->camera();
+  layout.notes = reader->notes();
   layout.times_ns = TimesOf(*reader);
   layout.read = [reader](int index, StageTimer* timer) { return reader->Read(index, timer); };
   return layout;
@@ -112,7 +121,8 @@ Layout OpenRgbd(const SequenceOptions& options) {
 
 Layout OpenFocused(const SequenceOptions& options) {
   const PlenopticCamera camera = ReadMetricCamera(options.camera);
-  auto reader = std::make_shared<const FocusedSequence>(options.sequence, camera);
+  auto reader =
+      std::make_shared<const FocusedSequence>(options.sequence, camera, options.skip_missing);
   Layout layout;
   layout.camera = camera;
   layout.report = {Format("frames: %d of focused.txt", reader->size())};
@@ -124,6 +134,24 @@ Layout OpenFocused(const SequenceOptions& options) {
   return layout;
 }
 
+// Nothing but one brightness: too bright, or dark. Divided by the white image it would show that.
+bool IsBlank(const cv::Mat& raw) {
+  cv::Scalar mean, sigma;
+  cv::meanStdDev(raw, mean, sigma);
+  const double full_scale = raw.depth() == CV_8U ? 255 : 65535;
+  return *std::max_element(sigma.val, sigma.val + raw.channels()) < 0.001 * full_scale;
+}
+
+LightFieldFrame BlankFrame(const PlenopticCamera& camera, int64_t time_ns) {
+  const int width = camera.focused_width(), height = camera.focused_height();
+  LightFieldFrame frame;
+  frame.time_ns = time_ns;
+  frame.image = BuildPyramid(ImageF(width, height, 0), LightFieldOptions().pyramid_levels);
+  frame.inverse_virtual_depth = frame.sigma = ImageF(width, height, 0);
+  frame.depth_correlation_px = kMicroImageDepthCorrelation;
+  return frame;
+}
+
 Layout OpenRaw(const SequenceOptions& options) {
   RawInput input = OpenRawInput({options.sequence,
                                  options.camera,
@@ -132,7 +160,8 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.colour,
                                  options.threads,
                                  options.focus_colour,
-                                 options.rate_hz});
+                                 options.rate_hz,
+                                 options.skip_missing});
   RequireMetricDepth(input.camera, options.camera);
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
@@ -150,6 +179,7 @@ Layout OpenRaw(const SequenceOptions& options) {
           const StageTimer::Scope scope(timer, kReadImage);
           raw = reader->Read(index);
         }
+        if (IsBlank(raw.image)) return BlankFrame(processor->camera(), raw.time_ns);
         LightFieldFrame frame = processor->Process(raw);
         for (const auto& [stage, ms] : TakeNewTimes(processor->timer(), &totals))
           timer->Add(stage, ms);
@@ -199,6 +229,7 @@ Sequence::Sequence(const SequenceOptions& options) {
   for (std::string& line : layout.report) input_report_.push_back(std::move(line));
   camera_ = layout.camera;
   grid_report_ = std::move(layout.grid_report);
+  notes_ = std::move(layout.notes);
   play_order_ = OrderFrames(layout.times_ns, options);
   start_frame_ = options.start_frame;
   read_ = std::move(layout.read);
@@ -232,7 +263,12 @@ std::optional<LightFieldFrame> Sequence::Next() {
   std::future<FrameRead> future = std::move(pending_.front());
   pending_.pop_front();
   const int n = next_to_return_++;
-  FrameRead read = future.get();
+  FrameRead read;
+  try {
+    read = future.get();
+  } catch (const InputError& error) {
+    throw UnreadableFrame(error, play_order_->time_ns(n));
+  }
   for (const auto& [stage, ms] : read.stage_ms) timer_.Add(stage, ms);
   read.frame.time_ns = play_order_->time_ns(n);
   ReadAhead();

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "prism/base/error.h"
 #include "prism/base/stage_timer.h"
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/io/rgbd_to_plenoptic.h"
@@ -46,8 +47,20 @@ struct SequenceOptions {
   bool reverse = false;  // the first pass is played backwards
   int ping_pong = 0;     // number of passes, forwards and backwards in turn; 0: one
 
+  // Files that are missing are frames that cannot be read, instead of an error before the start.
+  bool skip_missing = false;
+
   // As far as it can be told without a look at the files.
   bool IsValid(std::string* error) const;
+};
+
+// A frame whose files cannot be read; what() says why.
+class UnreadableFrame : public InputError {
+ public:
+  UnreadableFrame(const InputError& reason, int64_t played_time_ns)
+      : InputError(reason), time_ns(played_time_ns) {}
+
+  int64_t time_ns;
 };
 
 struct SharedVerdict;
@@ -79,6 +92,8 @@ class Sequence {
   const std::vector<std::string>& input_report() const { return input_report_; }
   // What the refinement of the grid of a raw sequence found, one line; else empty.
   const std::string& grid_report() const { return grid_report_; }
+  // What is worth knowing of the files, a line each: images that are left out.
+  const std::vector<std::string>& notes() const { return notes_; }
   // What can be said of the light field of a raw sequence, from all frames read so far
   // (LightFieldVerdict); empty of other layouts.
   LightFieldVerdict Verdict() const;
@@ -88,7 +103,7 @@ class Sequence {
 
   // The next frame with its time as played; nothing at the end. From the first call on, the frames
   // behind it are read in threads of their own while the caller works on this one. Throws
-  // InputError if the frame cannot be read; the call after that goes on with the one behind it.
+  // UnreadableFrame if it cannot be read; the call after that goes on with the one behind it.
   std::optional<LightFieldFrame> Next();
 
   // Times of reading and processing the frames that Next has returned, a duration a frame of each
@@ -111,6 +126,7 @@ class Sequence {
   PlenopticCamera camera_;
   std::vector<std::string> input_report_;
   std::string grid_report_;
+  std::vector<std::string> notes_;
   std::optional<PlayOrder> play_order_;
   int start_frame_ = 0;
   std::function<LightFieldFrame(int file_index, StageTimer* timer)> read_;

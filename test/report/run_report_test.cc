@@ -54,10 +54,10 @@ TEST(RunReport, ThumbnailIsHalvedUntilItFits) {
 
 TEST(RunReport, PageIsSelfContainedAndItsDataCannotEndTheScript) {
   RunReport report;
-  report.title = "</script><b>";
+  report.title = "</script><b><!--<script>";
   report.trajectory = {{0, SE3()}};
   const std::string page = FormatReport(report);
-  EXPECT_THAT(page, HasSubstr("<\\/script><b>"));
+  EXPECT_THAT(page, HasSubstr("\\u003c/script>\\u003cb>\\u003c!--\\u003cscript>"));
   for (const char* outside : {"src=\"http", "href=\"http", "sourceMappingURL", "%REPORT_DATA%"}) {
     EXPECT_THAT(page.find(outside), std::string::npos) << outside;
   }

@@ -24,22 +24,22 @@ TEST(SequenceOfFocusedFrames, ComesBackAsWritten) {
   SequenceOptions options;
   options.sequence = FreshFolder("focused");
   options.camera = options.sequence + "/camera.yaml";
-  const PlenopticCamera camera = SmallCamera(64);
+  const PlenopticCamera camera = SmallCamera(192);
   WriteNativeCamera(options.camera, camera);
   FocusedSequenceWriter writer(options.sequence);
   for (int i = 0; i < 3; ++i) {
     LightFieldFrame frame;
     frame.time_ns = i * kTick;
-    frame.image.push_back(ImageF(32, 32, static_cast<float>(10 * i)));
-    frame.inverse_virtual_depth = ImageF(32, 32, 0);
-    frame.sigma = ImageF(32, 32, 0);
+    frame.image.push_back(ImageF(96, 96, static_cast<float>(10 * i)));
+    frame.inverse_virtual_depth = ImageF(96, 96, 0);
+    frame.sigma = ImageF(96, 96, 0);
     writer.Write(frame);
   }
   writer.Finish();
   options.reverse = true;
   Sequence sequence(options);
   EXPECT_EQ(sequence.format(), "focused");
-  EXPECT_EQ(sequence.camera().focused_width(), 32);
+  EXPECT_EQ(sequence.camera().focused_width(), 96);
   for (const float value : {20.0f, 10.0f, 0.0f}) EXPECT_EQ(sequence.Next()->image[0](5, 5), value);
   EXPECT_EQ(sequence.timer().Summarize().at("read image").count, 3);
 }

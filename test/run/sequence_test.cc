@@ -157,10 +157,49 @@ TEST_F(SequenceOfRgbd, GoesOnBehindAFrameThatCannotBeRead) {
   try {
     sequence.Next();
     FAIL() << "no error";
-  } catch (const InputError& error) {
+  } catch (const UnreadableFrame& error) {
     EXPECT_THAT(error.what(), HasSubstr("rgb/000001.png"));
+    EXPECT_EQ(error.time_ns, kTick);
   }
   EXPECT_THAT(TimesOfAllFrames(&sequence), ElementsAre(2, 3, 4, 5));
+}
+
+TEST_F(SequenceOfRgbd, AMissingFileIsAnErrorBeforeTheStartOrAFrame) {
+  std::filesystem::remove(options_.sequence + "/depth/000001.png");
+  EXPECT_THAT(MessageOf(options_), HasSubstr("depth/000001.png: found no such file"));
+  options_.skip_missing = true;
+  Sequence sequence(options_);
+  EXPECT_EQ(sequence.Next()->time_ns, 0);
+  EXPECT_THROW(sequence.Next(), UnreadableFrame);
+  EXPECT_THAT(TimesOfAllFrames(&sequence), ElementsAre(2, 3, 4, 5));
+}
+
+// The frames around one that did not come are as if nobody had expected it.
+TEST_F(SequenceOfRgbd, ASkippedFrameChangesNothingForTheOthers) {
+  const auto poses_with = [&](bool is_told) {
+    options_.rgbd.inverse_depth_sigma = 0;
+    Sequence sequence(options_);
+    OdometryOptions options;
+    options.min_start_points = 20;
+    Odometry odometry(sequence.camera(), options);
+    for (int i = 0; auto frame = sequence.Next(); ++i) {
+      if (i != 3) {
+        odometry.Process(std::move(*frame));
+        continue;
+      }
+      if (!is_told) continue;
+      const FrameResult skipped = odometry.Skip(frame->time_ns);
+      EXPECT_EQ(skipped.status, FrameStatus::kUnreadable);
+      EXPECT_EQ(skipped.time_ns, 3 * kTick);
+      EXPECT_FALSE(HasPose(skipped.status));
+    }
+    std::vector<double> values;
+    for (const StampedPose& pose : odometry.FrameTrajectory()) {
+      values.insert(values.end(), pose.world_from_cam.data(), pose.world_from_cam.data() + 7);
+    }
+    return values;
+  };
+  EXPECT_EQ(poses_with(true), poses_with(false));
 }
 
 TEST_F(SequenceOfRgbd, FeedsTheOdometry) {

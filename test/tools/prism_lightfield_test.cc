@@ -99,7 +99,7 @@ TEST_F(PrismLightfieldTest, DepthIsWrittenInMetresIfAskedFor) {
 TEST_F(PrismLightfieldTest, ANegativeNumberOfThreadsIsBadInput) {
   const ProgramResult result = Run("--threads=-1");
   EXPECT_EQ(result.exit_status, 2) << result.output;
-  EXPECT_THAT(result.output, HasSubstr("--threads: found -1, expected 0 (one a core) or more"));
+  EXPECT_THAT(result.output, HasSubstr("--threads: found -1, expected 0 (one a core) to 1024"));
 }
 
 TEST_F(PrismLightfieldTest, AGridOfAnotherPitchThanTheWhiteImageIsBadInput) {

@@ -205,7 +205,7 @@ TEST(PrismVo, BadInputExitsWithTwoAndLeavesNothingBehind) {
   expect_bad(RunVo(sequence, folder + "/out", "--format=film"), "film");
   expect_bad(RunVo(sequence, folder + "/out", "--pinhole=5"), "--pinhole: found '5'");
   expect_bad(RunVo(sequence, folder + "/out", "--start_frame=9"), "--start_frame");
-  expect_bad(RunVo(sequence, folder + "/out", "--window_keyframes=1"), "1 keyframes");
+  expect_bad(RunVo(sequence, folder + "/out", "--window_keyframes=1"), "--window_keyframes");
   expect_bad(RunVo(sequence, folder + "/out", "--export=kitti,film"), "--export: found 'film'");
   WriteFile(folder + "/blank.txt", "  \n");
   expect_bad(RunVo(sequence, folder + "/out", "--groundtruth=" + folder + "/blank.txt"),
@@ -214,8 +214,8 @@ TEST(PrismVo, BadInputExitsWithTwoAndLeavesNothingBehind) {
   expect_bad(RunProgram("prism_vo --sequence=" + sequence + " --camera=" + folder +
                         "/camera.yaml --output_dir=" + folder + "/out"),
              "camera.yaml");
-  WriteFile(sequence + "/rgb/000002.png", "not an image");
-  expect_bad(RunVo(sequence, folder + "/out"), "rgb/000002.png");
+  for (int i = 0; i < 3; ++i) WriteFile(sequence + "/rgb/00000" + std::to_string(i) + ".png", "");
+  expect_bad(RunVo(sequence, folder + "/out"), "rgb/000000.png");
   EXPECT_EQ(RunProgram("prism_vo --no_such_flag").exit_status, 2);
 }
 
