@@ -277,8 +277,8 @@ ExitStatus Run() {
   const SequenceOptions sequence_options = SequenceOptionsFromFlags();
   const OdometryOptions odometry_options = OptionsFromFlags();
   ExportRecorder exports(FLAGS_export);
+  Sequence sequence(sequence_options);  // looks at --threads as well
   cv::setNumThreads(FLAGS_threads);
-  Sequence sequence(sequence_options);
   std::cout << sequence.format() << " frames of " << FLAGS_sequence << "\n";
   for (const std::string& line : sequence.input_report()) std::cout << "  " << line << "\n";
   for (const std::string& note : sequence.notes()) std::cout << "  " << note << "\n";

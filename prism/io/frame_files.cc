@@ -30,7 +30,7 @@ std::string LowerCase(std::string text) {
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 bool IsFrame(const fs::directory_entry& entry) {
-  if (!entry.is_regular_file()) return false;
+  if (!IsFile(entry.path().string())) return false;
   const std::string extension = LowerCase(entry.path().extension().string());
   const auto& known = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"};
   if (std::find(known.begin(), known.end(), extension) == known.end()) return false;
@@ -64,7 +64,8 @@ bool ComesBefore(const std::string& left, const std::string& right) {
 std::vector<std::string> ImagesIn(const std::string& folder) {
   std::vector<std::string> names;
   if (!IsFolder(folder)) return names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+  std::error_code ignored;  // a folder that may not be read holds nothing
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     if (IsFrame(entry)) names.push_back(entry.path().filename().string());
   }
   std::sort(names.begin(), names.end(), ComesBefore);
@@ -200,8 +201,10 @@ std::string FindFile(const std::string& folder, const std::string& name) {
   const std::string exact = InFolder(folder, name);
   if (IsFile(exact)) return exact;
   if (!IsFolder(folder)) return "";
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && LowerCase(entry.path().filename().string()) == LowerCase(name)) {
+  std::error_code ignored;  // a folder that may not be read holds nothing
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (IsFile(entry.path().string()) &&
+        LowerCase(entry.path().filename().string()) == LowerCase(name)) {
       return entry.path().string();
     }
   }

@@ -118,7 +118,7 @@ int ShowLive(int port) {
       ++keyframes;
     }
     live->Publish(std::move(update));
-    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
   }
   RunUpdate end;
   end.problems = FindProblems(report->frames);

@@ -24,39 +24,39 @@ constexpr char kScene[] =
     "path: {position: [-1.6, 0, 0], target: [0, 0, 0], extent_m: 0.18}\ntextures: {}\n"
     "objects:\n  - {kind: calibration_board, squares: [6, 5], square_m: 0.06}\n";
 
-// Pictures are rendered once for all tests of this file.
 class PrismCalibrateTest : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new fs::path(fs::path(::testing::TempDir()) / "prism_calibrate_test");
-    fs::remove_all(*folder_);
-    fs::create_directories(*folder_);
-    WriteTextAtomically(Path("scene.yaml"), kScene);
-    const ProgramResult result =
-        RunProgram("prism_simulate --scene=" + Path("scene.yaml") +
-                   " --trajectory=views --frames=10 --camera=" + Camera() +
-                   " --crop_px=1024 --samples=2 --truth_every=0 --output_dir=" + Path("pictures"));
-    ASSERT_EQ(result.exit_status, 0) << result.output;
+  PrismCalibrateTest() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(::testing::TempDir()) / ("prism_calibrate_" + std::string(info->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
   }
-  static void TearDownTestSuite() {
-    fs::remove_all(*folder_);
-    delete folder_;
+  ~PrismCalibrateTest() override { fs::remove_all(folder_); }
+
+  void Render(int pictures) const {
+    WriteTextAtomically(Path("scene.yaml"), kScene);
+    const ProgramResult result = RunProgram(
+        "prism_simulate --scene=" + Path("scene.yaml") +
+        " --trajectory=views --frames=" + std::to_string(pictures) + " --camera=" + Camera() +
+        " --crop_px=1024 --samples=2 --truth_every=0 --output_dir=" + Path("pictures"));
+    ASSERT_EQ(result.exit_status, 0) << result.output;
   }
 
   static std::string Camera() {
     return std::string(PRISM_SOURCE_DIR) + "/sequences/cameras/raytrix_r5_16mm_one_type.yaml";
   }
-  static std::string Path(const std::string& name) { return (*folder_ / name).string(); }
-  static ProgramResult Run(const std::string& flags) {
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  ProgramResult Run(const std::string& flags) const {
     return RunProgram("prism_calibrate --sequence=" + Path("pictures") + " --square_mm=60 " +
                       flags);
   }
 
-  static fs::path* folder_;
+  fs::path folder_;
 };
-fs::path* PrismCalibrateTest::folder_ = nullptr;
 
 TEST_F(PrismCalibrateTest, FindsTheRenderedCameraFromWhatAnOwnerKnows) {
+  Render(10);
   const ProgramResult result =
       Run("--squares=6x5 --focal_length_mm=17 --pixel_size_mm=0.0055 --output_dir=" + Path("out"));
   ASSERT_EQ(result.exit_status, 0) << result.output;
@@ -89,6 +89,7 @@ TEST_F(PrismCalibrateTest, FindsTheRenderedCameraFromWhatAnOwnerKnows) {
 }
 
 TEST_F(PrismCalibrateTest, SaysWhatIsWrongWithItsInput) {
+  Render(1);
   const std::string camera = " --camera=" + Path("pictures/camera.yaml");
   const std::string out = " --output_dir=" + Path("bad");
   const auto expect = [&](const ProgramResult& result, const std::string& text) {
