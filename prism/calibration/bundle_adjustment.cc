@@ -58,32 +58,32 @@ class CornerCost {
   double px_sigma_, slope_sigma_;
 };
 
-// One half of CornerCost, so that a gross error of one does not take the other with it.
-class PositionCost {
+// The residuals of a CornerCost from `first` on, `count` of them: a gross error of a position does
+// not take the slope with it.
+template <int first, int count>
+class PartOfCorner {
  public:
-  explicit PositionCost(const CornerCost& cost) : cost_(cost) {}
+  explicit PartOfCorner(const CornerCost& cost) : cost_(cost) {}
   template <typename T>
   bool operator()(const T* camera, const T* pose, const T* offset, T* residuals) const {
     T all[3];
     if (!cost_(camera, pose, offset, all)) return false;
-    residuals[0] = all[0];
-    residuals[1] = all[1];
+    for (int i = 0; i < count; ++i) residuals[i] = all[first + i];
     return true;
   }
 
- private:
-  CornerCost cost_;
-};
-
-class SlopeCost {
- public:
-  explicit SlopeCost(const CornerCost& cost) : cost_(cost) {}
-  template <typename T>
-  bool operator()(const T* camera, const T* pose, const T* offset, T* residuals) const {
-    T all[3];
-    if (!cost_(camera, pose, offset, all)) return false;
-    residuals[0] = all[2];
-    return true;
+  static void AddTo(const CornerCost& cost,
+                    double* camera,
+                    double* pose,
+                    double* offset,
+                    ceres::Problem* problem) {
+    problem->AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PartOfCorner, count, kNumCameraParameters, 7, 1>(
+            new PartOfCorner(cost)),
+        new ceres::HuberLoss(kHuber),
+        camera,
+        pose,
+        offset);
   }
 
  private:
@@ -132,20 +132,8 @@ void Build(const CalibrationBoard& board,
                             observation,
                             noise.px_scale[k],
                             noise.slope_scale[k]);
-      problem->AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PositionCost, 2, kNumCameraParameters, 7, 1>(
-              new PositionCost(cost)),
-          new ceres::HuberLoss(kHuber),
-          state->camera.data(),
-          pose,
-          offset);
-      problem->AddResidualBlock(
-          new ceres::AutoDiffCostFunction<SlopeCost, 1, kNumCameraParameters, 7, 1>(
-              new SlopeCost(cost)),
-          new ceres::HuberLoss(kHuber),
-          state->camera.data(),
-          pose,
-          offset);
+      PartOfCorner<0, 2>::AddTo(cost, state->camera.data(), pose, offset, problem);
+      PartOfCorner<2, 1>::AddTo(cost, state->camera.data(), pose, offset, problem);
     }
     problem->AddResidualBlock(
         new ceres::AutoDiffCostFunction<OffsetCost, 1, 1>(new OffsetCost(noise.depth_offset_sigma)),

@@ -26,6 +26,9 @@ constexpr double kMinContrastOfWhite = 0.05;
 constexpr double kMinContrastOfFrames = 0.1;  // below that they do not show the grid
 // Relative. Refocusing the main lens moves the pitch by some 0.1 %; more is another camera's grid.
 constexpr double kMaxPitchChange = 0.003;
+// In pitches: a lattice that has to move farther than this somewhere is not the one of the images,
+// but another near by. Real files are off by a twentieth.
+constexpr double kMaxMove = 0.3;
 constexpr double kCertainRms = 0.5;  // px; above, what the frames show has moved the grid as well
 constexpr double kSmallRotation = 0.5;  // px at the image border
 constexpr double kManyDepths = 0.12;    // of the pixels: more than upside-down images ever gave
@@ -73,6 +76,13 @@ std::vector<GridCandidate> FindGrids(const std::string& grid_path,
   if (fits) {
     if (std::abs(fit->grid.diameter_px / grid.diameter_px - 1) > kMaxPitchChange) {
       ThrowGridDoesNotFit(grid_path, grid, source, fit);
+    }
+    if (!fit->rotation_flipped && fit->max_change_px > kMaxMove * grid.diameter_px) {
+      throw InputError(
+          grid_path,
+          Format(
+              "micro images up to %.1f px from where the %s have them", fit->max_change_px, source),
+          Format("the grid of this camera, good to %.1f px", kMaxMove * grid.diameter_px));
     }
     candidates.push_back(
         {fit->grid,

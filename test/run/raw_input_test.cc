@@ -49,6 +49,14 @@ TEST_F(RawInputTest, RefinesTheGridOnTheWhiteImage) {
   EXPECT_FALSE(input.white.empty());
 }
 
+TEST_F(RawInputTest, AGridThatWouldHaveToMoveFarIsAnotherOne) {
+  PlenopticCamera moved = camera_;
+  moved.micro_lens_grid->offset_px.x() += 0.42 * moved.micro_lens_grid->diameter_px;
+  WriteNativeCamera(folder_ + "/camera.yaml", moved);
+  EXPECT_THAT(MessageOf({folder_, folder_ + "/camera.yaml", "", "", "auto"}),
+              AllOf(HasSubstr("camera.yaml: found micro images up to"), HasSubstr("this camera")));
+}
+
 TEST_F(RawInputTest, RefinesTheGridOnTheFramesWhereThereIsNoWhiteImage) {
   std::filesystem::remove(folder_ + "/white.png");
   const RawInput input = Open();
