@@ -17,9 +17,9 @@
 #include "prism/calibration/micro_image_views.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/focused_sequence.h"
+#include "prism/io/frame_files.h"
 #include "prism/io/image_file.h"
 #include "prism/io/micro_image_corners.h"
-#include "prism/io/time_list.h"
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/run/micro_lens_estimation.h"
 #include "prism/run/raw_input.h"
@@ -28,7 +28,10 @@
 #include "tools/recalibrate_sequence.h"
 #include "tools/tool_main.h"
 
-DEFINE_string(sequence, "", "Folder of pictures of the board: raw.txt, or focused.txt.");
+DEFINE_string(
+    sequence,
+    "",
+    "Folder of pictures of the board, raw (raw.txt or just images) or focused (focused.txt).");
 DEFINE_string(micro_image_corners,
               "",
               "Instead of pictures: CSV of corners in micro images (k,l,u,v,cluster,frame).");
@@ -139,10 +142,7 @@ PlenopticCamera CameraFromFlags(std::array<int, 2> size) {
 }
 
 std::array<int, 2> FirstImageSize(const std::string& folder) {
-  const std::string list = (fs::path(folder) / "raw.txt").string();
-  const std::vector<TimedLine> lines = ReadTimeList(list, 1);
-  if (lines.empty()) throw InputError(list, "no pictures", "a line `time path` a picture");
-  const cv::Mat image = ReadImageUnchanged((fs::path(folder) / lines[0].words[0]).string());
+  const cv::Mat image = ReadImageUnchanged(FindFrameFiles(folder, 0).frames.front().path);
   return {image.cols, image.rows};
 }
 
