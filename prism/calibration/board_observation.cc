@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "prism/calibration/camera_model.h"
 #include "prism/camera/projection.h"
 
 namespace prism {
@@ -106,9 +107,7 @@ BoardView ObserveCorners(const std::vector<DetectedCorner>& corners,
                          const PlenopticCamera& camera,
                          const LightFieldFrame& frame,
                          const ImageF& dense) {
-  const double b_L0 = camera.main_lens_mla_distance;
-  const double kappa =
-      camera.adjust_micro_lens_centers ? b_L0 / (b_L0 + camera.sensor_mla_distance) : 1;
+  const double kappa = MicroLensCenterScale(camera);
   const double sign = camera.virtual_depth_sign();
   const Eigen::Vector2d c = camera.raw_principal_point;
   BoardView view;

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <utility>
 
+#include "prism/base/format.h"
 #include "prism/calibration/calibration_start.h"
 
 namespace prism {
@@ -23,12 +24,6 @@ constexpr double kPrincipalCarriedSigma = 0.005;  // of the image width
 constexpr double kSignificant = 4;
 constexpr double kOutlier = 6;          // standard deviations
 constexpr double kSmallestPxScale = 1;  // for that test, of the stated deviation of a corner
-
-std::string Format(const char* format, double a, double b = 0) {
-  char text[256];
-  std::snprintf(text, sizeof(text), format, a, b);  // NOLINT: formats are literals of this file
-  return text;
-}
 
 class Calibration {
  public:
@@ -71,10 +66,9 @@ class Calibration {
     });
   }
 
-  void Adjust(bool estimate_noise = true) {
+  void Adjust() {
     AdjustmentOptions options;
     options.held = result_.held;
-    options.estimate_noise = estimate_noise;
     result_.adjustment =
         AdjustCalibration(board_, result_.views, fixed_, options, &result_.noise, &result_.state);
   }
@@ -125,11 +119,7 @@ class Calibration {
     for (size_t k = 0; k < result_.views.size(); ++k) {
       if (result_.views[k].corners.empty()) continue;
       const SE3 pose = result_.state.cam_from_board[k];
-      Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // on the board
-      for (const CornerObservation& corner : result_.views[k].corners) {
-        middle += board_.CornerPosition(corner.corner);
-      }
-      middle /= static_cast<double>(result_.views[k].corners.size());
+      const Eigen::Vector3d middle = MiddleOfCorners(board_, result_.views[k]);
       const Eigen::Vector3d at = pose * middle;
       const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
       const Eigen::Quaterniond rotation =
@@ -188,7 +178,7 @@ class Calibration {
     double low = INFINITY, high = 0;
     for (size_t k = 0; k < result_.views.size(); ++k) {
       if (result_.views[k].corners.empty()) continue;
-      const double z = MiddleOf(k).z();
+      const double z = DistanceOf(k);
       low = std::min(low, z);
       high = std::max(high, z);
     }
@@ -285,12 +275,8 @@ class Calibration {
     return r;
   }
 
-  Eigen::Vector3d MiddleOf(size_t k) const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const CornerObservation& corner : result_.views[k].corners) {
-      sum += result_.state.cam_from_board[k] * board_.CornerPosition(corner.corner);
-    }
-    return sum / static_cast<double>(result_.views[k].corners.size());
+  double DistanceOf(size_t k) const {
+    return (result_.state.cam_from_board[k] * MiddleOfCorners(board_, result_.views[k])).z();
   }
 
   void Finish() {
@@ -308,7 +294,7 @@ class Calibration {
       summary.name = view.name;
       summary.corners = static_cast<int>(view.corners.size());
       if (!view.corners.empty()) {
-        summary.distance_m = MiddleOf(k).z();
+        summary.distance_m = DistanceOf(k);
         const Eigen::Matrix3d R = result_.state.cam_from_board[k].RotationMatrix();
         summary.tilt_deg = std::acos(std::min(1.0, std::abs(R(2, 2)))) * 180 / M_PI;
         summary.depth_offset = result_.state.depth_offsets[k];

@@ -14,19 +14,6 @@ constexpr size_t kFewestCorners = 6;
 // Slopes of the line can be told from its intercept where 1 / (z - f_L) spreads by this share.
 constexpr double kSmallestSpread = 0.05;
 
-double KappaOf(const PlenopticCamera& camera) {
-  if (!camera.adjust_micro_lens_centers) return 1;
-  return camera.main_lens_mla_distance /
-         (camera.main_lens_mla_distance + camera.sensor_mla_distance);
-}
-
-// x_0 of an observation, undistorted.
-cv::Point2d ChiefPixel(const CornerObservation& corner) {
-  const Eigen::Vector2d px =
-      (corner.px - corner.slope * corner.micro_image_px) / (1 - corner.slope);
-  return {px.x(), px.y()};
-}
-
 struct Correspondences {
   std::vector<cv::Point3f> board;
   std::vector<cv::Point2f> image;
@@ -37,7 +24,8 @@ Correspondences CorrespondencesOf(const CalibrationBoard& board, const BoardView
   for (const CornerObservation& corner : view.corners) {
     const Eigen::Vector3f p = board.CornerPosition(corner.corner).cast<float>();
     points.board.emplace_back(p.x(), p.y(), p.z());
-    points.image.emplace_back(ChiefPixel(corner));
+    const Eigen::Vector2f px = corner.ChiefPx().cast<float>();
+    points.image.emplace_back(px.x(), px.y());
   }
   return points;
 }
@@ -162,7 +150,7 @@ std::optional<CalibrationState> StartCalibration(const CalibrationBoard& board,
                                  0,
                                  0,
                                  1);
-    const double kappa = KappaOf(current);
+    const double kappa = MicroLensCenterScale(current);
     const double f = current.focal_length;
     std::vector<LinePoint> line;
     any = false;

@@ -31,6 +31,13 @@ CameraParameters ParametersOf(const PlenopticCamera& camera);
 // The camera with these figures in place of its own.
 PlenopticCamera WithParameters(const PlenopticCamera& camera, const CameraParameters& parameters);
 
+// b_L0 / (b_L0 + B), what Eq. (8) scales centres of micro images by; 1 for a camera that does not.
+inline double MicroLensCenterScale(const PlenopticCamera& camera) {
+  if (!camera.adjust_micro_lens_centers) return 1;
+  return camera.main_lens_mla_distance /
+         (camera.main_lens_mla_distance + camera.sensor_mla_distance);
+}
+
 // What does not change when a camera is calibrated.
 struct FixedFigures {
   explicit FixedFigures(const PlenopticCamera& camera)

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "prism/board/calibration_board.h"
+
 namespace prism {
 
 // A corner of the board in one picture, in terms that do not depend on what is to be calibrated.
@@ -24,6 +26,9 @@ struct CornerObservation {
   double px_sigma = 0;                                       // of each coordinate
   double slope = 0;                                          // m
   double slope_sigma = 0;                                    // errors of px and slope: independent
+
+  // x_0, distorted raw px.
+  Eigen::Vector2d ChiefPx() const { return (px - slope * micro_image_px) / (1 - slope); }
 };
 
 // One picture of the board.
@@ -31,5 +36,12 @@ struct BoardView {
   std::string name;  // for messages: the picture's file
   std::vector<CornerObservation> corners;
 };
+
+// Mean of the corners of a view, on the board. Precondition: the view has corners.
+inline Eigen::Vector3d MiddleOfCorners(const CalibrationBoard& board, const BoardView& view) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const CornerObservation& corner : view.corners) sum += board.CornerPosition(corner.corner);
+  return sum / static_cast<double>(view.corners.size());
+}
 
 }  // namespace prism

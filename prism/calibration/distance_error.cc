@@ -51,12 +51,6 @@ double DistanceSigma(const FixedFigures& fixed,
   return std::sqrt(gradient.dot(covariance * gradient));
 }
 
-Eigen::Vector3d MiddleOf(const CalibrationBoard& board, const BoardView& view, const SE3& pose) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const CornerObservation& c : view.corners) sum += pose * board.CornerPosition(c.corner);
-  return sum / static_cast<double>(view.corners.size());
-}
-
 }  // namespace
 
 double RelativeDistanceSigma(const CalibrationResult& result, double distance_m) {
@@ -125,7 +119,7 @@ std::vector<LeftOutView> LeaveOneOut(const CalibrationBoard& board,
     LeftOutView view;
     view.name = result.views[k].name;
     const SE3& pose = state.cam_from_board[k];
-    view.distance_m = MiddleOf(board, result.views[k], pose).z();
+    view.distance_m = (pose * MiddleOfCorners(board, result.views[k])).z();
     std::vector<double> errors, variances;
     for (const CornerObservation& corner : result.views[k].corners) {
       const Eigen::Vector3d x_C = pose * board.CornerPosition(corner.corner);

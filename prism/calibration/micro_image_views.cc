@@ -63,8 +63,7 @@ std::optional<CornerObservation> FitLine(const std::vector<const MicroImageCorne
 }
 
 cv::Point2d ChiefPixel(const CornerObservation& corner) {
-  const Eigen::Vector2d px =
-      (corner.px - corner.slope * corner.micro_image_px) / (1 - corner.slope);
+  const Eigen::Vector2d px = corner.ChiefPx();
   return {px.x(), px.y()};
 }
 
