@@ -68,34 +68,48 @@ void FuseNeighbours(const ImageF& nodes,
 }
 
 void SpreadNodes(const ImageF& nodes, const ImageF& node_sigmas, ImageF* depth, ImageF* sigmas) {
-  constexpr float kLeastShare = 0.26f;  // more than that of a node 3 px away
+  constexpr float kLeastShare = 0.26f;  // more than that of a node 3/4 of the way to the next
+  struct Node {
+    float w, sigma;
+    int right, below;  // of the four around
+  };
   tbb::parallel_for(0, depth->height(), [&](int y) {
     const Between v = BetweenNodes(y);
-    for (int x = 0; x < depth->width(); ++x) {
-      const Between u = BetweenNodes(x);
-      float w[4], sigma[4], share[4];
-      int count = 0, best = 0;
+    std::fill_n(depth->row(y), depth->width(), 0.0f);
+    std::fill_n(sigmas->row(y), depth->width(), 0.0f);
+    // Between two columns of nodes at a time: most have none.
+    for (int left = BetweenNodes(0).node; NodePixel(left) < depth->width(); ++left) {
+      Node around[4];
+      int known = 0;
       for (int k = 0; k < 4; ++k) {
-        const int i = u.node + k % 2;
+        const int i = left + k % 2;
         const int j = v.node + k / 2;
         if (!nodes.view().Contains(i, j, 0) || nodes(i, j) == 0) continue;
-        share[count] = (k % 2 == 0 ? 1 - u.share : u.share) * (k / 2 == 0 ? 1 - v.share : v.share);
-        if (share[count] == 0) continue;
-        w[count] = nodes(i, j);
-        sigma[count] = node_sigmas(i, j);
-        if (sigma[count] < sigma[best]) best = count;
-        ++count;
+        around[known++] = {nodes(i, j), node_sigmas(i, j), k % 2, k / 2};
       }
-      float sum = 0, variance = 0, total = 0;
-      for (int k = 0; k < count; ++k) {
-        if (!Agree(w[k], sigma[k], w[best], sigma[best])) continue;
-        sum += share[k] * w[k];
-        variance += share[k] * sigma[k] * sigma[k];
-        total += share[k];
+      if (known == 0) continue;
+      const int end = std::min(NodePixel(left + 1), depth->width());
+      for (int x = std::max(NodePixel(left), 0); x < end; ++x) {
+        const Between u = BetweenNodes(x);
+        float share[4];
+        const Node* best = nullptr;
+        for (int k = 0; k < known; ++k) {
+          share[k] = (around[k].right == 0 ? 1 - u.share : u.share) *
+                     (around[k].below == 0 ? 1 - v.share : v.share);
+          if (share[k] > 0 && (!best || around[k].sigma < best->sigma)) best = &around[k];
+        }
+        if (!best) continue;
+        float sum = 0, variance = 0, total = 0;
+        for (int k = 0; k < known; ++k) {
+          if (!Agree(around[k].w, around[k].sigma, best->w, best->sigma)) continue;
+          sum += share[k] * around[k].w;
+          variance += share[k] * around[k].sigma * around[k].sigma;
+          total += share[k];
+        }
+        if (total < kLeastShare) continue;
+        (*depth)(x, y) = sum / total;
+        (*sigmas)(x, y) = std::sqrt(variance / total);
       }
-      const bool is_known = total >= kLeastShare;
-      (*depth)(x, y) = is_known ? sum / total : 0;
-      (*sigmas)(x, y) = is_known ? std::sqrt(variance / total) : 0;
     }
   });
 }
