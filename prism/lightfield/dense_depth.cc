@@ -5,8 +5,7 @@
 #include <algorithm>
 
 #include <tbb/parallel_for.h>
-
-#include "prism/image/interpolation.h"
+#include <opencv2/imgproc.hpp>
 
 namespace prism {
 namespace {
@@ -36,13 +35,12 @@ void Pull(int width,
   });
 }
 
-float UpsampledAt(const ImageF& coarse, int x, int y) {
-  const double u = std::clamp((x + 0.5) / 2 - 0.5, 0.0, coarse.width() - 1.0);
-  const double v = std::clamp((y + 0.5) / 2 - 0.5, 0.0, coarse.height() - 1.0);
-  if (coarse.width() < 2 || coarse.height() < 2) {
-    return coarse(static_cast<int>(u), static_cast<int>(v));
-  }
-  return InterpolateBilinear(coarse, u, v).value;
+// Twice the size, bilinear. A finer level with an odd side has a pixel less than that.
+cv::Mat Upsample(const ImageF& coarse) {
+  const cv::Mat view(coarse.height(), coarse.width(), CV_32F, const_cast<float*>(coarse.data()));
+  cv::Mat fine;
+  cv::resize(view, fine, {}, 2, 2, cv::INTER_LINEAR);
+  return fine;
 }
 
 }  // namespace
@@ -87,17 +85,18 @@ void DenseDepth::Fill(const ImageF& inverse_virtual_depth,
   if (levels_.back().weight(0, 0) == 0) levels_.back().value(0, 0) = fallback;
   for (size_t l = levels_.size() - 1; l-- > 0;) {
     Level& fine = levels_[l];
-    const ImageF& coarse = levels_[l + 1].value;
+    const cv::Mat coarse = Upsample(levels_[l + 1].value);
     tbb::parallel_for(0, fine.value.height(), [&](int y) {
       for (int x = 0; x < fine.value.width(); ++x) {
-        if (fine.weight(x, y) == 0) fine.value(x, y) = UpsampledAt(coarse, x, y);
+        if (fine.weight(x, y) == 0) fine.value(x, y) = coarse.at<float>(y, x);
       }
     });
   }
+  const cv::Mat coarse = Upsample(levels_[0].value);
   tbb::parallel_for(0, height, [&](int y) {
+    const float* gap = coarse.ptr<float>(y);
     for (int x = 0; x < width; ++x) {
-      (*dense)(x, y) =
-          sigma(x, y) > 0 ? inverse_virtual_depth(x, y) : UpsampledAt(levels_[0].value, x, y);
+      (*dense)(x, y) = sigma(x, y) > 0 ? inverse_virtual_depth(x, y) : gap[x];
     }
   });
 }

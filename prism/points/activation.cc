@@ -72,6 +72,10 @@ void ActivatePoints(const ActivationOptions& options,
     room -= ActivateCandidates(
         options.candidates, options.min_point_distance, room, &refiner, &coverage, window);
   }
+  PointSelectionOptions selection = options.selection;
+  if (frame.depth_correlation_px > 0) {
+    selection.gradient_margin = options.micro_image_gradient_margin;
+  }
   const ImageF squared_gradient = SquaredGradientMagnitude(frame.image[0]);
   const auto select = [&](int count, bool with_depth) {
     const auto is_usable = [&](int x, int y) {
@@ -79,7 +83,7 @@ void ActivatePoints(const ActivationOptions& options,
              coverage.IsFree(x, y, options.min_point_distance) &&
              (!with_depth || IsSupported(frame, x, y));
     };
-    return SelectPoints(squared_gradient, count, is_usable, options.selection);
+    return SelectPoints(squared_gradient, count, is_usable, selection);
   };
   Candidate candidate;
   const std::vector<Eigen::Vector2i> measured = select(room, /*with_depth=*/true);

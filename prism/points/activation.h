@@ -11,6 +11,9 @@ namespace prism {
 
 struct ActivationOptions {
   PointSelectionOptions selection;
+  // Its gradient_margin where depth was found in micro images, whose errors the points of weak
+  // patches share (docs/depth.md).
+  double micro_image_gradient_margin = 14;
   CandidateOptions candidates;
   RefinementOptions refinement;
   int max_new_points = 600;    // activated per keyframe
