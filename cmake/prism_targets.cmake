@@ -35,6 +35,8 @@ if(PRISM_BUILD_PYTHON)
   target_compile_options(prism_compile_options INTERFACE -fno-semantic-interposition)
 endif()
 
+include(cmake/precompiled_headers.cmake)
+
 # prism_module(name [NOT_INSTALLED] SOURCES a.cc ... DEPENDS prism::x pkg::y ...)
 # A library prism::name of the folder's sources, or of headers alone if there are none. A module may
 # include only what it depends on here. Headers that are generated belong into
@@ -52,6 +54,7 @@ function(prism_module name)
       set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     endif()
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:prism_compile_options>)
+    prism_precompiled_headers(${target} MODULE)
   else()
     set(scope INTERFACE)
     add_library(${target} INTERFACE)
@@ -83,6 +86,7 @@ function(prism_tool name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${name}.cc ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE prism_compile_options prism_tool_main ${ARG_DEPENDS})
+  prism_precompiled_headers(${name} PROGRAM)
   if(PRISM_INSTALL)
     install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   endif()
@@ -98,6 +102,7 @@ function(prism_test name)
   target_link_libraries(${name}_test PRIVATE
     prism_compile_options ${ARG_DEPENDS} GTest::gmock GTest::gtest GTest::gtest_main)
   target_compile_definitions(${name}_test PRIVATE PRISM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  prism_precompiled_headers(${name}_test TEST)
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 300)
 endfunction()
 

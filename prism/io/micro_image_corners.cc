@@ -77,9 +77,20 @@ class Table {
   std::string path_;
 };
 
-using LensKey = std::pair<long, long>;
+using LensKey = std::pair<int, int>;
 
-LensKey KeyOf(const std::vector<double>& row) { return {std::lround(row[0]), std::lround(row[1])}; }
+int WholeNumber(const std::string& path, int line, double value) {
+  if (std::abs(value) <= 1e9 && std::abs(value - std::round(value)) < 1e-3) {
+    return static_cast<int>(std::lround(value));
+  }
+  std::ostringstream found;
+  found << "'" << value << "' in line " << line;
+  throw InputError(path, found.str(), "a whole number, at most 10^9");
+}
+
+LensKey KeyOf(const std::string& path, int line, const std::vector<double>& row) {
+  return {WholeNumber(path, line, row[0]), WholeNumber(path, line, row[1])};
+}
 
 // The distance from the first centre to the one nearest to it: what a corner may be away.
 double PitchOf(const std::map<LensKey, Eigen::Vector2d>& centers) {
@@ -99,17 +110,18 @@ std::vector<MicroImageCorner> ReadMicroImageCorners(const std::string& corners_p
   const Table center_table(centers_path, {{"k"}, {"l"}, {"u", "x"}, {"v", "y"}});
   std::map<LensKey, Eigen::Vector2d> centers;
   for (const auto& [line, row] : center_table.rows) {
-    if (!centers.emplace(KeyOf(row), Eigen::Vector2d(row[2], row[3])).second) {
+    if (!centers.emplace(KeyOf(centers_path, line, row), Eigen::Vector2d(row[2], row[3])).second) {
       throw InputError(centers_path,
                        "a micro image twice, line " + std::to_string(line),
                        "one centre for each k, l");
     }
   }
+  if (centers.size() < 2) throw InputError(centers_path, "one micro image", "two or more");
   const double pitch = PitchOf(centers);
   const Table corner_table(corners_path, {{"k"}, {"l"}, {"u"}, {"v"}, {"cluster"}, {"frame"}});
   std::vector<MicroImageCorner> corners;
   for (const auto& [line, row] : corner_table.rows) {
-    const auto center = centers.find(KeyOf(row));
+    const auto center = centers.find(KeyOf(corners_path, line, row));
     if (center == centers.end()) {
       throw InputError(corners_path,
                        "a micro image without centre in line " + std::to_string(line),
@@ -118,8 +130,8 @@ std::vector<MicroImageCorner> ReadMicroImageCorners(const std::string& corners_p
     MicroImageCorner corner;
     corner.px = {row[2], row[3]};
     corner.micro_image_px = center->second;
-    corner.cluster = static_cast<int>(std::lround(row[4]));
-    corner.frame = static_cast<int>(std::lround(row[5]));
+    corner.cluster = WholeNumber(corners_path, line, row[4]);
+    corner.frame = WholeNumber(corners_path, line, row[5]);
     if (!((corner.px - corner.micro_image_px).norm() <= pitch)) {
       throw InputError(corners_path,
                        "a corner outside its micro image in line " + std::to_string(line),

@@ -20,8 +20,8 @@ struct MicroImageCorner {
 // Two CSV files with a header line: corners with columns k, l (index of the micro image), u, v (raw
 // px), cluster, frame; centres with columns k, l and u, v (or x, y), raw px. Columns in any order,
 // others are passed over. Throws InputError (file and line) on a file that cannot be read, a column
-// that is missing, what is no number, a corner whose micro image has no centre or is more than a
-// micro image away from it, and files without lines.
+// that is missing, what is no number (a whole one but for u and v), a corner whose micro image has
+// no centre or is more than a micro image away from it, fewer than two centres and no corners.
 std::vector<MicroImageCorner> ReadMicroImageCorners(const std::string& corners_path,
                                                     const std::string& centers_path);
 

@@ -32,7 +32,7 @@ void AddLattice(int columns, int rows, const VertexAt& vertex_at, SimMesh* mesh)
 }
 
 int Cells(double length) {
-  return std::clamp(static_cast<int>(std::ceil(length / kCellSize)), 1, kMaxCells);
+  return static_cast<int>(std::clamp<double>(std::ceil(length / kCellSize), 1, kMaxCells));
 }
 
 Eigen::Vector2f TextureCoordinates(

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/sim/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <sstream>
 
 #include "prism/base/error.h"
 #include "prism/board/calibration_board.h"
@@ -22,11 +24,19 @@ namespace {
 
 constexpr char kPosition[] = "[x, y, z] in m, z up";
 constexpr char kSizeMetres[] = "[width, depth, height] in m";
+constexpr double kLargest = 1e4;                                   // m
+constexpr double kLargestFurniture = 100;                          // m
+constexpr int kMaxCount = 100;                                     // shelves, floors, things
+constexpr int kMaxTexture = 8192;                                  // px, a side
+constexpr int64_t kMaxTextures = 4LL * kMaxTexture * kMaxTexture;  // px, all that are drawn
+constexpr size_t kMaxVertices = 20'000'000;
 
 // What the objects of one description have in common.
 struct Context {
   std::string path;
+  bool white = false;  // textures are not drawn
   std::map<std::string, SurfaceTexture> textures;
+  int64_t texture_px = 0;
   SimScene scene;
 
   SurfaceTexture TextureOf(YamlSection& object, const std::string& key) const {
@@ -42,6 +52,34 @@ struct Context {
     return (std::filesystem::path(path).parent_path() / file).string();
   }
 };
+
+void CheckLength(const Context& context, const std::string& key, double length, double largest) {
+  if (length > 0 && length <= largest) return;
+  std::ostringstream found;
+  std::ostringstream expected;
+  found << "'objects." << key << "' of " << length << " m";
+  expected << "more than 0 m, at most " << largest;
+  throw InputError(context.path, found.str(), expected.str());
+}
+
+double LengthOf(YamlSection& object, const std::string& key, const Context& context) {
+  const auto length = object.Value<double>(key, "m");
+  CheckLength(context, key, length, kLargest);
+  return length;
+}
+
+Eigen::Vector3d SizeOf(YamlSection& object, const Context& context, double largest = kLargest) {
+  const Eigen::Vector3d size = object.Vector<3>("size", kSizeMetres);
+  for (const double length : size) CheckLength(context, "size", length, largest);
+  return size;
+}
+
+int CheckedCount(const Context& context, const std::string& key, int count, int least) {
+  if (count >= least && count <= kMaxCount) return count;
+  throw InputError(context.path,
+                   "'objects." + key + "' of " + std::to_string(count),
+                   std::to_string(least) + " to " + std::to_string(kMaxCount));
+}
 
 Eigen::Isometry3d PlacementOf(YamlSection& object) {
   return Placement(object.Vector<3>("position", kPosition),
@@ -76,11 +114,16 @@ void ReadTextureEntry(const std::string& name, const YAML::Node& node, Context* 
       throw InputError(context->path, "the texture kind '" + kind + "'", expected);
     }
     const int pixels = section.ValueOr("pixels", 1024, "a side in px");
-    if (pixels < 16 || pixels > 8192) {
+    if (pixels < 16 || pixels > kMaxTexture) {
       throw InputError(context->path, std::to_string(pixels) + " px", "16 to 8192 px");
     }
+    context->texture_px += static_cast<int64_t>(pixels) * pixels;
+    if (context->texture_px > kMaxTextures) {
+      throw InputError(context->path, "textures of more than 4 x 8192 x 8192 px", "fewer of them");
+    }
     const auto seed = section.ValueOr<uint64_t>("seed", 1, "a seed");
-    context->scene.textures.emplace_back(MakeTexture(kind, pixels, seed));
+    context->scene.textures.emplace_back(context->white ? cv::Mat(1, 1, CV_8U, cv::Scalar(255))
+                                                        : MakeTexture(kind, pixels, seed));
   }
   section.RejectUnknownKeys();
   context->textures[name] = texture;
@@ -90,7 +133,7 @@ void ReadTextureEntry(const std::string& name, const YAML::Node& node, Context* 
 
 void ReadRoom(YamlSection& object, Context* context) {
   const Eigen::Vector3d position = object.Vector<3>("position", kPosition);
-  const Eigen::Vector3d size = object.Vector<3>("size", kSizeMetres);
+  const Eigen::Vector3d size = SizeOf(object, *context);
   const SurfaceTexture wall = context->TextureOf(object, "walls");
   const SurfaceTexture floor = context->TextureOf(object, "floor");
   const SurfaceTexture ceiling = context->TextureOf(object, "ceiling");
@@ -121,16 +164,20 @@ void ReadRoom(YamlSection& object, Context* context) {
 
 void ReadQuad(YamlSection& object, Context* context) {
   const SurfaceTexture texture = context->TextureOf(object, "texture");
+  const Eigen::Vector3d right = object.Vector<3>("right", kPosition);
+  const Eigen::Vector3d down = object.Vector<3>("down", kPosition);
+  if (!(right.cross(down).norm() > 0)) {
+    throw InputError(context->path, "a quad without area", "'right' across 'down'");
+  }
   AddQuad(object.Vector<3>("corner", kPosition),
-          object.Vector<3>("right", kPosition),
-          object.Vector<3>("down", kPosition),
+          right,
+          down,
           texture.style,
           MeshOf(texture.index, true, &context->scene));
 }
 
 // A board whose middle is at `position`, seen from -x; the world's z is up on it.
 void ReadCalibrationBoard(YamlSection& object, Context* context) {
-  constexpr int kSquarePx = 256;
   CalibrationBoard board;
   const auto pattern = object.ValueOr<std::string>("pattern", "charuco", "a pattern");
   if (!ParseBoardPattern(pattern, &board.pattern)) {
@@ -147,7 +194,9 @@ void ReadCalibrationBoard(YamlSection& object, Context* context) {
   const double height = (board.rows + 2) * board.square_m;
   const Eigen::Vector3d middle =
       object.Has("position") ? object.Vector<3>("position", kPosition) : Eigen::Vector3d::Zero();
-  context->scene.textures.emplace_back(DrawBoard(board, kSquarePx, kSquarePx));
+  const int square_px = std::min(256, kMaxTexture / (std::max(board.columns, board.rows) + 2));
+  context->scene.textures.emplace_back(context->white ? cv::Mat(1, 1, CV_8U, cv::Scalar(255))
+                                                      : DrawBoard(board, square_px, square_px));
   AddQuad(middle + Eigen::Vector3d(0, width / 2, height / 2),
           {0, -width, 0},
           {0, 0, -height},
@@ -157,7 +206,7 @@ void ReadCalibrationBoard(YamlSection& object, Context* context) {
 
 void ReadBox(YamlSection& object, Context* context) {
   AddTexturedBox(PlacementOf(object),
-                 object.Vector<3>("size", kSizeMetres),
+                 SizeOf(object, *context),
                  context->TextureOf(object, "texture"),
                  &context->scene,
                  ColourOr(object, "tint", Rgb::Ones()));
@@ -165,11 +214,11 @@ void ReadBox(YamlSection& object, Context* context) {
 
 void ReadCylinder(YamlSection& object, Context* context) {
   const SurfaceTexture texture = context->TextureOf(object, "texture");
-  const auto radius = object.Value<double>("radius", "m");
+  const double radius = LengthOf(object, "radius", *context);
   AddCylinder(PlacementOf(object),
               radius,
-              object.ValueOr("top_radius", radius, "m"),
-              object.Value<double>("height", "m"),
+              object.Has("top_radius") ? LengthOf(object, "top_radius", *context) : radius,
+              LengthOf(object, "height", *context),
               texture.style,
               MeshOf(texture.index, false, &context->scene));
 }
@@ -177,7 +226,7 @@ void ReadCylinder(YamlSection& object, Context* context) {
 void ReadSphere(YamlSection& object, Context* context) {
   const SurfaceTexture texture = context->TextureOf(object, "texture");
   AddSphere(PlacementOf(object),
-            object.Value<double>("radius", "m"),
+            LengthOf(object, "radius", *context),
             texture.style,
             MeshOf(texture.index, false, &context->scene));
 }
@@ -199,8 +248,8 @@ uint64_t SeedOf(YamlSection& object) { return object.ValueOr<uint64_t>("seed", 1
 
 void ReadBookshelf(YamlSection& object, Context* context) {
   AddBookshelf(PlacementOf(object),
-               object.Vector<3>("size", kSizeMetres),
-               object.ValueOr("shelves", 5, "a count"),
+               SizeOf(object, *context, kLargestFurniture),
+               CheckedCount(*context, "shelves", object.ValueOr("shelves", 5, "a count"), 1),
                context->TextureOf(object, "frame"),
                context->TextureOf(object, "books"),
                SeedOf(object),
@@ -209,10 +258,10 @@ void ReadBookshelf(YamlSection& object, Context* context) {
 
 void ReadTable(YamlSection& object, Context* context) {
   AddTable(PlacementOf(object),
-           object.Vector<3>("size", kSizeMetres),
+           SizeOf(object, *context, kLargestFurniture),
            context->TextureOf(object, "wood"),
            context->TextureOf(object, "things"),
-           object.ValueOr("num_things", 8, "a count"),
+           CheckedCount(*context, "num_things", object.ValueOr("num_things", 8, "a count"), 0),
            SeedOf(object),
            &context->scene);
 }
@@ -226,7 +275,7 @@ void ReadChair(YamlSection& object, Context* context) {
 
 void ReadSofa(YamlSection& object, Context* context) {
   AddSofa(PlacementOf(object),
-          object.Vector<3>("size", kSizeMetres),
+          SizeOf(object, *context, kLargestFurniture),
           context->TextureOf(object, "fabric"),
           context->TextureOf(object, "cushions"),
           SeedOf(object),
@@ -235,7 +284,7 @@ void ReadSofa(YamlSection& object, Context* context) {
 
 void ReadPlant(YamlSection& object, Context* context) {
   AddPlant(PlacementOf(object),
-           object.Value<double>("height", "m"),
+           LengthOf(object, "height", *context),
            context->TextureOf(object, "pot"),
            context->TextureOf(object, "leaves"),
            SeedOf(object),
@@ -244,9 +293,9 @@ void ReadPlant(YamlSection& object, Context* context) {
 
 void ReadFacade(YamlSection& object, Context* context) {
   AddFacade(PlacementOf(object),
-            object.Vector<3>("size", kSizeMetres),
-            object.Value<int>("columns", "windows in a row"),
-            object.Value<int>("floors", "rows of windows"),
+            SizeOf(object, *context),
+            CheckedCount(*context, "columns", object.Value<int>("columns", "windows in a row"), 1),
+            CheckedCount(*context, "floors", object.Value<int>("floors", "rows of windows"), 1),
             context->TextureOf(object, "wall"),
             context->TextureOf(object, "frame"),
             context->TextureOf(object, "glass"),
@@ -279,11 +328,17 @@ void ReadObject(const YAML::Node& node, Context* context) {
   }
   reader->second(object, context);
   object.RejectUnknownKeys();
+  size_t vertices = 0;
+  for (const SimMesh& mesh : context->scene.meshes) vertices += mesh.vertices.size();
+  if (vertices > kMaxVertices) {
+    throw InputError(context->path, "more than 20 million vertices", "a smaller scene");
+  }
 }
 
-SimScene ReadRoot(const std::string& path, const YAML::Node& node) {
+SimScene ReadRoot(const std::string& path, bool white, const YAML::Node& node) {
   Context context;
   context.path = path;
+  context.white = white;
   SimScene& scene = context.scene;
   YamlSection root(path, "", node);
   scene.name = root.Value<std::string>("name", "the scene's name");
@@ -291,8 +346,9 @@ SimScene ReadRoot(const std::string& path, const YAML::Node& node) {
   scene.background = ColourOr(root, "background", scene.background);
   if (root.Has("sun")) {
     YamlSection sun(path, "sun", root.Get("sun", ""));
-    scene.sun_direction =
-        sun.Vector<3>("direction", "[x, y, z] towards the sun").normalized().cast<float>();
+    const Eigen::Vector3d direction = sun.Vector<3>("direction", "[x, y, z] towards the sun");
+    if (!(direction.norm() > 0)) throw InputError(path, "a sun without direction", "[x, y, z]");
+    scene.sun_direction = direction.normalized().cast<float>();
     scene.sun = sun.Value<float>("irradiance", "a number");
     sun.RejectUnknownKeys();
   }
@@ -324,24 +380,31 @@ SimScene ReadRoot(const std::string& path, const YAML::Node& node) {
   return scene;
 }
 
-}  // namespace
-
-std::vector<std::string> BuiltInScenes() { return {"board", "facade", "plane", "room"}; }
-
-SimScene ReadScene(const std::string& name_or_path) {
+SimScene ReadDescription(const std::string& name_or_path, bool white) {
   constexpr char kExpected[] = "a scene description in YAML";
-  const auto read = [&](const YAML::Node& node) { return ReadRoot(name_or_path, node); };
+  const auto read = [&](const YAML::Node& node) { return ReadRoot(name_or_path, white, node); };
   const std::map<std::string, const char*> built_in = {{"board", kBoardScene},
                                                        {"facade", kFacadeScene},
                                                        {"plane", kPlaneScene},
                                                        {"room", kRoomScene}};
   const auto found = built_in.find(name_or_path);
-  SimScene scene = found != built_in.end()
-                       ? ParseYamlText(name_or_path, found->second, kExpected, read)
-                       : ParseYamlFile(name_or_path, kExpected, read);
+  return found != built_in.end() ? ParseYamlText(name_or_path, found->second, kExpected, read)
+                                 : ParseYamlFile(name_or_path, kExpected, read);
+}
+
+}  // namespace
+
+std::vector<std::string> BuiltInScenes() { return {"board", "facade", "plane", "room"}; }
+
+SimScene ReadScene(const std::string& name_or_path) {
+  SimScene scene = ReadDescription(name_or_path, false);
   const RayCaster caster(scene);
   BakeLighting(caster, 1, &scene);
   return scene;
+}
+
+SimScene ReadSceneShape(const std::string& name_or_path) {
+  return ReadDescription(name_or_path, true);
 }
 
 }  // namespace prism

@@ -16,8 +16,11 @@ namespace prism {
 std::vector<std::string> BuiltInScenes();
 
 // A built-in scene by name, or else a file. Lighting is baked in. Throws InputError naming the file
-// for one that cannot be read or parsed, a missing or unknown key or kind, a texture that is
-// missing and a mesh that does not load (paths are relative to the file).
+// for one that cannot be read or parsed, a missing or unknown key or kind, a figure out of its
+// range, a texture that is missing and a mesh that does not load (paths are relative to the file).
 SimScene ReadScene(const std::string& name_or_path);
+
+// The same in white and without light, which is quick: to check a description.
+SimScene ReadSceneShape(const std::string& name_or_path);
 
 }  // namespace prism

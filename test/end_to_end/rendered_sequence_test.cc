@@ -16,6 +16,7 @@
 #include "prism/io/image_file.h"
 #include "prism/io/raw_sequence.h"
 #include "prism/lightfield/grid_estimation.h"
+#include "test/tools/run_bytes.h"
 #include "test/tools/run_program.h"
 
 namespace prism {
@@ -123,6 +124,19 @@ TEST_F(RenderedSequence, OdometryWithTrueDepthIsRightToMillimetres) {
 }
 
 TEST_F(RenderedSequence, OdometryOnRawFramesIsMetric) { ExpectAccurate(Raw(), 0.0035, 5); }
+
+TEST_F(RenderedSequence, RawFramesGiveTheSameBytesWithAnyNumberOfThreads) {
+  const auto bytes_of = [](const std::string& name, const std::string& threads) {
+    const ProgramResult result =
+        RunProgram("prism_vo --max_frames=12 --sequence=" + Raw() + " --camera=" + Camera() +
+                   " --threads=" + threads + " --output_dir=" + folder_ + "/" + name);
+    EXPECT_EQ(result.exit_status, 0) << result.output;
+    return BytesOfRun(folder_ + "/" + name);
+  };
+  const auto bytes = bytes_of("one", "1");
+  EXPECT_EQ(bytes, bytes_of("two", "2"));
+  EXPECT_EQ(bytes, bytes_of("two_again", "2"));
+}
 
 TEST_F(RenderedSequence, OdometryOnTheFocusedLayoutIsMetric) {
   ExpectAccurate(Focused(), 0.0035, 5);

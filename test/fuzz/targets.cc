@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -14,8 +15,10 @@
 #include "prism/io/focused_sequence.h"
 #include "prism/io/image_file.h"
 #include "prism/io/map_file.h"
+#include "prism/io/micro_image_corners.h"
 #include "prism/io/time_list.h"
 #include "prism/io/trajectory_file.h"
+#include "prism/sim/scene_file.h"
 #include "tools/bench_suite.h"
 
 namespace prism {
@@ -108,6 +111,21 @@ void MapFile(const std::string& bytes) {
   Try([&] { ReadMap(Folder(), camera); });
 }
 
+// Corners, a line of dashes, centres.
+void MicroImageCorners(const std::string& bytes) {
+  constexpr char kBorder[] = "\n---\n";
+  const size_t border = std::min(bytes.find(kBorder), bytes.size());
+  const size_t rest = std::min(border + sizeof(kBorder) - 1, bytes.size());
+  const std::string corners = FileOf(bytes.substr(0, border), "corners.csv");
+  const std::string centers = FileOf(bytes.substr(rest), "centers.csv");
+  Try([&] { ReadMicroImageCorners(corners, centers); });
+}
+
+void Scene(const std::string& bytes) {
+  const std::string path = FileOf(bytes, "scene.yaml");
+  Try([&] { ReadSceneShape(path); });
+}
+
 void Suite(const std::string& bytes) {
   const std::string path = FileOf(bytes, "suite.yaml");
   Try([&] { ListJobs(ReadBenchSuite(path, "/data")); });
@@ -116,14 +134,17 @@ void Suite(const std::string& bytes) {
 }  // namespace
 
 const std::map<std::string, FuzzTarget>& FuzzTargets() {
-  static const std::map<std::string, FuzzTarget> targets = {{"camera_xml", CameraXml},
-                                                            {"camera_yaml", CameraYaml},
-                                                            {"image", ImageFile},
-                                                            {"map", MapFile},
-                                                            {"pinhole", Pinhole},
-                                                            {"suite", Suite},
-                                                            {"time_list", TimeList},
-                                                            {"trajectory", TrajectoryText}};
+  static const std::map<std::string, FuzzTarget> targets = {
+      {"camera_xml", CameraXml},
+      {"camera_yaml", CameraYaml},
+      {"image", ImageFile},
+      {"map", MapFile},
+      {"micro_image_corners", MicroImageCorners},
+      {"pinhole", Pinhole},
+      {"scene", Scene},
+      {"suite", Suite},
+      {"time_list", TimeList},
+      {"trajectory", TrajectoryText}};
   return targets;
 }
 

@@ -61,6 +61,12 @@ TEST_F(MicroImageCornersTest, BadFilesAreNamedWithTheLine) {
   EXPECT_THAT(Error("k,l,u,v,cluster,frame\n", kCenters), HasSubstr("no lines"));
   EXPECT_THAT(Error("k,l,u,v,cluster,frame\n0,0,10,10,1,1\n", "k,l,u,v\n0,0,1,1\n0,0,2,2\n"),
               HasSubstr("twice"));
+  EXPECT_THAT(Error("k,l,u,v,cluster,frame\n0,0,10,10,1,1e300\n", kCenters),
+              HasSubstr("'1e+300' in line 2"));
+  EXPECT_THAT(Error("k,l,u,v,cluster,frame\n0,0.4,10,10,1,1\n", kCenters),
+              HasSubstr("'0.4' in line 2"));
+  EXPECT_THAT(Error("k,l,u,v,cluster,frame\n0,0,1e5,10,1,1\n", "k,l,u,v\n0,0,1,1\n"),
+              HasSubstr("one micro image"));
 }
 
 }  // namespace

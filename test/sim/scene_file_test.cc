@@ -36,9 +36,10 @@ class SceneFileTest : public testing::Test {
                      textures + "objects:\n" + objects);
   }
 
-  static std::string ErrorOf(const std::string& path) {
+  static std::string ErrorOf(const std::string& path,
+                             SimScene (*read)(const std::string&) = ReadScene) {
     try {
-      ReadScene(path);
+      read(path);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -137,6 +138,54 @@ TEST_F(SceneFileTest, BadScenesNameTheCause) {
                                      ErrorOf(SceneWith("", box + "missing}\n"))}) {
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
+}
+
+TEST_F(SceneFileTest, FiguresOutOfRangeAreNamed) {
+  const std::string at = ", position: [0, 0, 0], texture: white, ";
+  const auto error_of = [&](const std::string& object) {
+    return ErrorOf(SceneWith("", "  - {" + object + "}\n"));
+  };
+  const std::string facade =
+      "kind: facade, position: [0, 0, 0], size: [9, 1, 9], wall: white, frame: white, glass: white";
+  EXPECT_THAT(error_of(facade + ", columns: 0, floors: 2"),
+              HasSubstr("found 'objects.columns' of 0, expected 1 to 100"));
+  EXPECT_THAT(error_of(facade + ", columns: 2, floors: 1000000000"),
+              HasSubstr("'objects.floors' of 1000000000"));
+  const std::string shelf = "kind: bookshelf, position: [0, 0, 0], frame: white, books: white";
+  EXPECT_THAT(error_of(shelf + ", size: [1, 0.3, 2], shelves: 0"), HasSubstr("'objects.shelves'"));
+  EXPECT_THAT(error_of(shelf + ", size: [1.0e+300, 0.3, 2]"),  // no book is so wide
+              HasSubstr("'objects.size' of 1e+300 m, expected more than 0 m, at most 100"));
+  EXPECT_THAT(error_of("kind: table, position: [0, 0, 0], size: [1, 1, 1], wood: white, things: "
+                       "white, num_things: 2000000000"),
+              HasSubstr("'objects.num_things'"));
+  EXPECT_THAT(error_of("kind: sofa, position: [0, 0, 0], size: [1.0e+12, 1, 1], fabric: white, "
+                       "cushions: white"),
+              HasSubstr("'objects.size'"));
+  EXPECT_THAT(error_of("kind: box" + at + "size: [1, -1, 1]"), HasSubstr("'objects.size' of -1"));
+  EXPECT_THAT(error_of("kind: sphere" + at + "radius: 0"), HasSubstr("'objects.radius' of 0"));
+  EXPECT_THAT(error_of("kind: cylinder" + at + "radius: 1, height: -1"),
+              HasSubstr("'objects.height' of -1"));
+  EXPECT_THAT(error_of("kind: quad, corner: [0, 0, 0], right: [1, 0, 0], down: [2, 0, 0], "
+                       "texture: white"),
+              HasSubstr("a quad without area"));
+  EXPECT_THAT(error_of("kind: quad, corner: [0, 0, 0], right: [1.0e+30, 0, 0], down: [0, 0, 1], "
+                       "texture: white"),
+              HasSubstr("out of sight"));
+  std::string textures;
+  for (int i = 0; i < 5; ++i) {
+    textures += "  t" + std::to_string(i) + ": {kind: white, pixels: 8192}\n";
+  }
+  EXPECT_THAT(ErrorOf(SceneWith(textures, "  - {kind: ghost}\n"), ReadSceneShape),
+              HasSubstr("textures of more than 4 x 8192 x 8192 px"));
+}
+
+TEST_F(SceneFileTest, TheShapeIsTheSceneInWhite) {
+  const SimScene scene = ReadScene("plane");
+  const SimScene shape = ReadSceneShape("plane");
+  ASSERT_EQ(shape.meshes.size(), scene.meshes.size());
+  ASSERT_EQ(shape.meshes[0].vertices.size(), scene.meshes[0].vertices.size());
+  EXPECT_EQ(shape.meshes[0].vertices[7].position, scene.meshes[0].vertices[7].position);
+  EXPECT_EQ(shape.textures.size(), scene.textures.size());
 }
 
 TEST_F(SceneFileTest, TexturesAreReproducibleAndHaveManyScales) {
