@@ -31,7 +31,7 @@ DEFINE_double(segment_gap_s, 1, "A gap in an estimate longer than this begins a 
 DEFINE_string(json, "", "Write the metrics here as JSON");
 DEFINE_string(csv, "", "Write the table here as CSV");
 DEFINE_string(latex, "", "Write the table here as rows of a LaTeX tabular");
-DEFINE_string(plot_dir, "", "Write plots here as SVG and PNG");
+DEFINE_string(plot_dir, "", "Write plots here as PDF, SVG and PNG");
 
 namespace prism {
 namespace {

@@ -37,7 +37,10 @@
 #include "tools/tool_main.h"
 #include "tools/unreadable_frames.h"
 
-DEFINE_string(sequence, "", "Folder of the sequence (raw, focused or TUM RGB-D layout).");
+DEFINE_string(
+    sequence,
+    "",
+    "Folder of the sequence (raw, focused or TUM RGB-D layout), or a video of raw frames.");
 DEFINE_string(
     camera,
     "",
@@ -49,7 +52,8 @@ DEFINE_string(micro_lens_grid,
               "MLA_Calibration.xml of the folder.");
 DEFINE_double(rate_hz,
               0,
-              "Frames a second of raw frames without a list; 0: times in their names, else 10.");
+              "Frames a second of raw frames without a list; 0: times in their names, else 10, or "
+              "as their video says.");
 DEFINE_string(pinhole,
               "",
               "Camera of RGB-D input, fx,fy,cx,cy[,k1,k2,p1,p2[,k3]] in px, freiburg1, freiburg2, "

@@ -4,16 +4,24 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <set>
 
+#include <opencv2/imgproc.hpp>
+
+#include "prism/export/dense_points.h"
+#include "prism/factors/photometric.h"
+#include "prism/factors/visibility.h"
 #include "tools/tool_main.h"
 
 namespace prism {
 namespace {
 
 constexpr int kThumbnailWidth_px = 512;
+constexpr int kDepthMapWidth_px = 256;
 
 std::vector<std::pair<std::string, std::string>> DescribeCamera(const RunRecord& record) {
   const PlenopticCamera& camera = record.camera;
@@ -30,6 +38,49 @@ std::vector<std::pair<std::string, std::string>> DescribeCamera(const RunRecord&
           {"focused image",
            std::to_string(camera.focused_width()) + " x " +
                std::to_string(camera.focused_height()) + " px"}};
+}
+
+// RMS of the photometric residuals of a point, weighted by DSO's gradient weights, over the frames
+// of the window that see it; intensities. NaN: none does.
+float ResidualRms(const Window& window,
+                  const Keyframe& host,
+                  const std::vector<FramePair>& pairs,
+                  const Point& point) {
+  double sum = 0;
+  int count = 0;
+  for (size_t j = 0; j < window.keyframes.size(); ++j) {
+    const Keyframe& target = *window.keyframes[j];
+    PatternMatch match;
+    if (&target == &host || IsHidden(point, target) ||
+        !EvaluatePattern(
+            point.patch, pairs[j], target.frame->image[0], window.camera, point.rho, &match)) {
+      continue;
+    }
+    sum += match.residuals.squaredNorm() / (pairs[j].inverse_sigma * pairs[j].inverse_sigma);
+    count += kPatternSize;
+  }
+  return count > 0 ? static_cast<float>(std::sqrt(sum / count))
+                   : std::numeric_limits<float>::quiet_NaN();
+}
+
+// Of a keyframe of the window, on its thumbnail.
+std::vector<ReportKeyframe::Point> PointsOf(const Window& window, const Keyframe& keyframe) {
+  std::vector<FramePair> pairs;
+  for (const auto& target : window.keyframes) {
+    pairs.push_back(MakeFramePair(window.noise, keyframe.state, target->state));
+  }
+  const double factor = ThumbnailFactor(keyframe.frame->image[0].width(), kThumbnailWidth_px);
+  std::vector<ReportKeyframe::Point> points;
+  for (const auto& point : keyframe.points) {
+    if (point->rho <= 0) continue;
+    const Eigen::Vector2d px =
+        (point->patch.px + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
+    points.push_back({static_cast<float>(px.x()),
+                      static_cast<float>(px.y()),
+                      static_cast<float>(1 / point->rho),
+                      ResidualRms(window, keyframe, pairs, *point)});
+  }
+  return points;
 }
 
 }  // namespace
@@ -49,6 +100,9 @@ void ReportRecorder::Add(const FrameResult& frame,
   entry.points = frame.points_used;
   entry.brightness_a = frame.state.a();
   entry.brightness_b = frame.state.b();
+  if (const auto& known = frame.keyframe.optimization.uncertainty) {
+    entry.scale_sigma = known->scale_sigma;
+  }
   entry.stage_ms = TakeNewTimes(reading, &reading_totals_);
   entry.stage_ms.merge(TakeNewTimes(odometry.timer(), &odometry_totals_));
   if (entry.is_tracked) positions_.push_back(frame.state.pose().Inverse().translation());
@@ -73,24 +127,14 @@ void ReportRecorder::UpdateKeyframes(const Odometry& odometry) {
     Entry& entry = position->second;
     if (is_new) {
       entry.keyframe.time_ns = keyframe->frame->time_ns;
-      entry.thumbnail = std::async(std::launch::async, [frame = keyframe->frame]() mutable {
-        ReportKeyframe thumbnail;
-        SetThumbnail(frame->image[0], kThumbnailWidth_px, &thumbnail);
+      entry.pictures = std::async(std::launch::async, [frame = keyframe->frame]() mutable {
+        Pictures pictures = MakePictures(*frame);
         frame.reset();  // the future would hold it
-        return thumbnail;
+        return pictures;
       });
     }
-    const double factor = ThumbnailFactor(keyframe->frame->image[0].width(), kThumbnailWidth_px);
     entry.keyframe.world_from_cam = odometry.map().CamFromWorld(keyframe->id).Inverse();
-    std::vector<ReportKeyframe::Point> points;
-    for (const auto& point : keyframe->points) {
-      if (point->rho <= 0) continue;
-      const Eigen::Vector2d px =
-          (point->patch.px + Eigen::Vector2d(0.5, 0.5)) * factor - Eigen::Vector2d(0.5, 0.5);
-      points.push_back({static_cast<float>(px.x()),
-                        static_cast<float>(px.y()),
-                        static_cast<float>(1 / point->rho)});
-    }
+    std::vector<ReportKeyframe::Point> points = PointsOf(odometry.window(), *keyframe);
     entry.most_points = std::max(entry.most_points, points.size());
     if (2 * points.size() >= entry.most_points) entry.keyframe.points = std::move(points);
     entry.has_changed = true;
@@ -104,22 +148,62 @@ void ReportRecorder::ThinOutPictures(const Window& window) {
   size_t number = 0;
   for (auto& [id, entry] : keyframes_) {
     if (number++ % picture_step_ == 0 || in_window.count(id) > 0) continue;
-    entry.thumbnail = {};
-    entry.keyframe.jpeg = std::string();
-    entry.keyframe.points = {};
+    entry.pictures = {};
+    entry.depth = {};
+    entry.keyframe.DropPictures();
   }
 }
 
-bool ReportRecorder::TakeThumbnail(bool wait, Entry* entry) {
-  if (!entry->thumbnail.valid()) return true;
-  if (!wait && entry->thumbnail.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+ReportRecorder::Pictures ReportRecorder::MakePictures(const LightFieldFrame& frame) {
+  Pictures pictures;
+  const cv::Mat thumbnail = MakeThumbnail(frame.image[0], frame.colour, kThumbnailWidth_px);
+  SetThumbnail(thumbnail, &pictures.keyframe);
+  const SmallDepth depth =
+      MakeSmallDepth(frame.inverse_virtual_depth, frame.sigma, kDepthMapWidth_px);
+  SetDepthMaps(depth, &pictures.keyframe);
+  LightFieldFrame small;
+  small.inverse_virtual_depth = depth.inverse_virtual_depth;
+  small.sigma = depth.sigma;
+  cv::Mat image;
+  const cv::Size size(depth.sigma.width(), depth.sigma.height());
+  cv::resize(thumbnail, image, size, 0, 0, cv::INTER_AREA);
+  small.colour = image;  // gray or in colour: it is only encoded
+  small.image.emplace_back(size.width, size.height, 0);
+  EncodeFrame(small, &pictures.depth);
+  return pictures;
+}
+
+bool ReportRecorder::TakePictures(bool wait, Entry* entry) {
+  if (!entry->pictures.valid()) return true;
+  if (!wait && entry->pictures.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     return false;
   }
-  ReportKeyframe thumbnail = entry->thumbnail.get();
-  entry->keyframe.jpeg = std::move(thumbnail.jpeg);
-  entry->keyframe.width = thumbnail.width;
-  entry->keyframe.height = thumbnail.height;
+  Pictures pictures = entry->pictures.get();
+  entry->depth = std::move(pictures.depth);
+  pictures.keyframe.time_ns = entry->keyframe.time_ns;
+  pictures.keyframe.world_from_cam = entry->keyframe.world_from_cam;
+  pictures.keyframe.points = std::move(entry->keyframe.points);
+  entry->keyframe = std::move(pictures.keyframe);
   return true;
+}
+
+std::vector<ReportCloudPoint> ReportRecorder::FuseDepthMaps(const RunRecord& record,
+                                                            const Map& map) const {
+  const double factor = ThumbnailFactor(record.camera.focused_width(), kDepthMapWidth_px);
+  std::map<int, ExportRun> runs;  // by piece
+  for (const auto& [id, entry] : keyframes_) {
+    if (entry.depth.depth.empty()) continue;
+    ExportRun& run = runs[map.Piece(map.SegmentOf(id))];
+    run.keyframes.push_back(entry.depth);
+    run.keyframes.back().world_from_cam = entry.keyframe.world_from_cam;
+  }
+  std::vector<ReportCloudPoint> cloud;
+  for (auto& [piece, run] : runs) {
+    run.camera =
+        PlenopticProjection(record.camera, static_cast<int>(std::lround(-std::log2(factor))));
+    for (const OrientedPoint& point : FuseDepth(run)) cloud.push_back({point.position, point.rgb});
+  }
+  return cloud;
 }
 
 RunUpdate ReportRecorder::TakeUpdate() {
@@ -131,10 +215,14 @@ RunUpdate ReportRecorder::TakeUpdate() {
   positions_taken_ = positions_.size();
   int index = 0;
   for (auto& [id, entry] : keyframes_) {
-    if (entry.has_changed && !TakeThumbnail(false, &entry)) break;
+    if (entry.has_changed && !TakePictures(false, &entry)) break;
     if (entry.has_changed) {
       update.keyframes.push_back({index, entry.keyframe});
-      if (entry.is_told) update.keyframes.back().keyframe.jpeg.clear();
+      if (entry.is_told) {  // the browser keeps them
+        update.keyframes.back().keyframe.jpeg.clear();
+        update.keyframes.back().keyframe.inverse_virtual_depth = {};
+        update.keyframes.back().keyframe.sigma = {};
+      }
       entry.is_told = true;
       entry.has_changed = false;
     }
@@ -172,13 +260,18 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
   report.trajectory = odometry.FrameTrajectory();
   if (odometry.map().Pieces().size() > 1) report.pieces = odometry.map().PiecesOfFrames();
   for (auto& [id, entry] : keyframes_) {
-    TakeThumbnail(true, &entry);
+    TakePictures(true, &entry);
     report.keyframes.push_back(entry.keyframe);
   }
   for (const MapPoint& point : odometry.MapPoints()) {
-    const auto& [red, green, blue] = point.rgb;
-    report.cloud.push_back({point.p_in_world.cast<float>(),
-                            static_cast<uint8_t>(0.299 * red + 0.587 * green + 0.114 * blue)});
+    report.cloud.push_back({point.p_in_world.cast<float>(), point.rgb});
+  }
+  report.dense = FuseDepthMaps(record, odometry.map());
+  const PlenopticProjection camera(record.camera);
+  report.view_x = 0.5 * camera.width / camera.FocalLengthPx();
+  report.view_y = 0.5 * camera.height / camera.FocalLengthPx();
+  if (const std::optional<ScaleSummary> scale = SummarizeScale(record)) {
+    report.scale_sigma = scale->sigma;
   }
   if (!groundtruth.empty()) {
     report.groundtruth = groundtruth;

@@ -14,6 +14,7 @@
 #include "prism/base/format.h"
 #include "prism/io/atomic_file.h"
 #include "prism/io/time_list.h"
+#include "prism/io/video_file.h"
 
 namespace prism {
 namespace {
@@ -133,6 +134,36 @@ void RequireFile(const std::string& where, const std::string& name, const std::s
   throw InputError(where, "'" + name + "', which does not exist", "a raw image");
 }
 
+// The videos of a folder, or the one that `folder` is.
+std::vector<std::string> VideosOf(const std::string& folder) {
+  if (IsFile(folder) && IsVideoName(folder)) return {folder};
+  std::vector<std::string> paths;
+  if (!IsFolder(folder)) return paths;
+  std::error_code ignored;  // a folder that may not be read holds nothing
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string path = entry.path().string();
+    if (IsVideoName(path) && IsFile(path)) paths.push_back(path);
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+FrameFiles FromVideo(const std::string& path, double rate_hz) {
+  const VideoFile video(path);
+  const double rate = rate_hz > 0 ? rate_hz : video.rate_hz();
+  if (!(rate > 0)) throw InputError(path, "no rate in it", "--rate_hz");
+  FrameFiles files;
+  for (int i = 0; i < video.size(); ++i) {
+    files.frames.push_back({std::llround(1e9 * i / rate), path, i});
+  }
+  files.source = Format("%d of %s, %g Hz%s",
+                        video.size(),
+                        fs::path(path).filename().string().c_str(),
+                        rate,
+                        rate_hz > 0 ? "" : " as it says");
+  return files;
+}
+
 FrameFiles FromRawList(const std::string& folder, bool skip_missing) {
   const std::string list = InFolder(folder, "raw.txt");
   FrameFiles files;
@@ -188,16 +219,22 @@ FrameFiles FindFrameFiles(const std::string& folder, double rate_hz, bool skip_m
   if (!euroc.empty()) return FromEuroc(euroc, skip_missing);
   const std::string sub_folder = FolderOfImages(folder);
   if (sub_folder.empty()) {
-    throw InputError(folder, "neither raw.txt, data.csv nor images", "raw frames");
+    const std::vector<std::string> videos = VideosOf(folder);
+    if (videos.size() > 1) {
+      throw InputError(folder, Format("%zu videos", videos.size()), "one, or its own path");
+    }
+    if (videos.size() == 1) return FromVideo(videos.front(), rate_hz);
+    throw InputError(folder, "neither raw.txt, data.csv, images nor a video", "raw frames");
   }
   return FromImages(folder, sub_folder, rate_hz);
 }
 
 bool HasUnlistedFrames(const std::string& folder) {
-  return !EurocList(folder).empty() || !FolderOfImages(folder).empty();
+  return !EurocList(folder).empty() || !FolderOfImages(folder).empty() || !VideosOf(folder).empty();
 }
 
-std::string FindFile(const std::string& folder, const std::string& name) {
+std::string FindFile(const std::string& place, const std::string& name) {
+  const std::string folder = IsFile(place) ? fs::path(place).parent_path().string() : place;
   const std::string exact = InFolder(folder, name);
   if (IsFile(exact)) return exact;
   if (!IsFolder(folder)) return "";

@@ -10,7 +10,8 @@ namespace prism {
 
 struct FrameFile {
   int64_t time_ns = 0;
-  std::string path;
+  std::string path;      // of an image, or of the video that holds it
+  int video_frame = -1;  // of that video, from 0 on; -1: an image
 };
 
 struct FrameFiles {
@@ -23,16 +24,20 @@ struct FrameFiles {
 //   data.csv, mav0/cam0/data.csv, cam0/...    as EuRoC: `time_ns,name`, images in data/ beside it
 //   images (png, jpg, tif, bmp) in raw/, images/, frames/, data/ or the folder itself, but for
 //   those whose name begins with `white`
-// Times of the latter: `rate_hz`, if it is above 0; else those in the names (19 digits ns, 16 us,
+//   one video (avi, mkv, mov, mp4) in the folder, or `folder` itself if it is one
+// Times of images: `rate_hz`, if it is above 0; else those in the names (19 digits ns, 16 us,
 // digits with a point s); else 10 Hz is assumed. Names are ordered as people do, 9 before 10.
-// Throws InputError for a folder without frames, a bad list, a file of a list that is missing.
+// Times of a video: `rate_hz`, else its own rate.
+// Throws InputError for a folder without frames, a bad list, a file of a list that is missing, a
+// video that does not open (its codec is missing, say) or more than one.
 // With `skip_missing` such a file is no error here.
 FrameFiles FindFrameFiles(const std::string& folder, double rate_hz, bool skip_missing = false);
 
-// True if FindFrameFiles would find images there without a raw.txt.
+// True if FindFrameFiles would find images or videos there without a raw.txt.
 bool HasUnlistedFrames(const std::string& folder);
 
-// The file of a folder with this name, whatever its case; empty if there is none.
-std::string FindFile(const std::string& folder, const std::string& name);
+// The file of a folder, or of the one a video lies in, with this name, whatever its case; empty if
+// there is none.
+std::string FindFile(const std::string& place, const std::string& name);
 
 }  // namespace prism

@@ -38,6 +38,7 @@ RawSequence::RawSequence(const std::string& folder,
   FrameFiles files = FindFrameFiles(folder, rate_hz, skip_missing);
   files_ = std::move(files.frames);
   source_ = std::move(files.source);
+  if (files_.front().video_frame >= 0) video_ = std::make_shared<VideoFile>(files_.front().path);
 }
 
 std::vector<RawFrame> RawSequence::ReadSome(int max_frames) const {
@@ -71,7 +72,7 @@ RawFrame RawSequence::Read(int index) const {
   RawFrame frame;
   frame.time_ns = entry.time_ns;
   frame.path = entry.path;
-  frame.image = ReadImageUnchanged(entry.path);
+  frame.image = video_ ? video_->Read(entry.video_frame) : ReadImageUnchanged(entry.path);
   RequireImageSize(entry.path, frame.image, width_, height_);
   RequireRawType(entry.path, frame.image);
   if (type_ >= 0 && frame.image.depth() != CV_MAT_DEPTH(type_)) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/io/frame_files.h"
+#include "prism/io/video_file.h"
 #include "prism/scene/frame.h"
 
 namespace prism {
@@ -57,6 +59,7 @@ class RawSequence {
   int channels_;
   int type_ = -1;  // not known
   std::vector<FrameFile> files_;
+  std::shared_ptr<VideoFile> video_;  // that holds all of them; null: they are images
   std::string source_;
 };
 

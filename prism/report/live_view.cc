@@ -51,7 +51,8 @@ std::string ToEventData(const RunUpdate& update) {
     RunReport report = *update.finished;
     report.keyframes.clear();
     json["finished"] = ReportToJson(report);
-    for (const char* sent : {"frames", "keyframes"}) json["finished"].erase(sent);
+    // What the browser has is more than a page of a long run would hold of them.
+    json["finished"].erase("keyframes");
   }
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -65,8 +66,7 @@ bool HasImage(const RunUpdate& update) {
 Update WithoutImages(const RunUpdate& update) {
   auto copy = std::make_shared<RunUpdate>(update);
   for (RunUpdate::Keyframe& entry : copy->keyframes) {
-    entry.keyframe.jpeg = std::string();
-    entry.keyframe.points = {};
+    entry.keyframe.DropPictures();
   }
   return copy;
 }

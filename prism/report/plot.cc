@@ -302,15 +302,15 @@ void WritePlotPage(const std::string& path_without_extension,
                    int columns) {
   CHECK_GT(columns, 0);
   const int rows = (static_cast<int>(plots.size()) + columns - 1) / columns;
-  const auto svg = MakeSvgCanvas(columns * kWidth, rows * kHeight);
-  const auto png = MakePngCanvas(columns * kWidth, rows * kHeight);
+  PlotCanvas canvas(columns * kWidth, rows * kHeight);
   for (int i = 0; i < static_cast<int>(plots.size()); ++i) {
     const PlotPoint origin{static_cast<double>(i % columns * kWidth),
                            static_cast<double>(i / columns * kHeight)};
-    for (PlotCanvas* canvas : {svg.get(), png.get()}) Draw(plots[i], Panel(origin, canvas));
+    Draw(plots[i], Panel(origin, &canvas));
   }
-  svg->Save(path_without_extension + ".svg");
-  png->Save(path_without_extension + ".png");
+  canvas.SavePdf(path_without_extension + ".pdf");
+  canvas.SaveSvg(path_without_extension + ".svg");
+  canvas.SavePng(path_without_extension + ".png");
 }
 
 }  // namespace prism

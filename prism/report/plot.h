@@ -35,8 +35,8 @@ struct Plot {
 // `count` of them. high > low.
 std::vector<double> AxisTicks(double low, double high, int count);
 
-// Writes PATH_WITHOUT_EXTENSION.svg and .png, the same drawing twice. Throws InputError if that
-// cannot be done. A plot without any finite point shows its axes from 0 to 1.
+// Writes PATH_WITHOUT_EXTENSION.pdf, .svg and .png, the same drawing each. Throws InputError if
+// that cannot be done. A plot without any finite point shows its axes from 0 to 1.
 void WritePlot(const std::string& path_without_extension, const Plot& plot);
 
 // The same with several plots on one page, row by row. columns > 0.

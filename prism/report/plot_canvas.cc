@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/report/plot_canvas.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <cairo.h>
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
@@ -14,144 +15,120 @@
 namespace prism {
 namespace {
 
-std::string Decimal(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.1f", value);
-  return text;
+constexpr int kPngZoom = 2;
+constexpr size_t kStrokePoints = 100;  // at once
+
+void SetColor(cairo_t* context, Color color) {
+  cairo_set_source_rgb(context, color.red / 255.0, color.green / 255.0, color.blue / 255.0);
 }
 
-std::string EscapedXml(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else {
-      escaped += c;
-    }
+// Paints the recording on a surface, which is finished and given back. `zoom`: of a unit.
+cairo_status_t PaintOn(cairo_surface_t* surface,
+                       cairo_surface_t* recording,
+                       double zoom,
+                       const char* png_path = nullptr) {
+  cairo_t* const context = cairo_create(surface);
+  cairo_scale(context, zoom, zoom);
+  cairo_set_source_surface(context, recording, 0, 0);
+  cairo_paint(context);
+  cairo_status_t status = cairo_status(context);
+  cairo_destroy(context);
+  if (status == CAIRO_STATUS_SUCCESS && png_path != nullptr) {
+    status = cairo_surface_write_to_png(surface, png_path);
   }
-  return escaped;
+  cairo_surface_finish(surface);
+  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface);
+  cairo_surface_destroy(surface);
+  return status;
 }
 
-class SvgCanvas : public PlotCanvas {
- public:
-  SvgCanvas(int width, int height) {
-    const std::string size =
-        "width=\"" + std::to_string(width) + "\" height=\"" + std::to_string(height) + "\"";
-    body_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" " + size + " viewBox=\"0 0 " +
-            std::to_string(width) + " " + std::to_string(height) +
-            "\" font-family=\"sans-serif\">\n<rect " + size + " fill=\"#fff\"/>\n";
-  }
-
-  void Polyline(const std::vector<PlotPoint>& points, Color color, double width) override {
-    if (points.size() < 2) return;
-    body_ += "<polyline fill=\"none\" stroke=\"" + Rgb(color) + "\" stroke-width=\"" +
-             Decimal(width) + "\" stroke-linejoin=\"round\" points=\"";
-    for (const PlotPoint& point : points) body_ += Decimal(point.x) + "," + Decimal(point.y) + " ";
-    body_ += "\"/>\n";
-  }
-
-  void Text(PlotPoint baseline,
-            const std::string& text,
-            TextAnchor anchor,
-            double size,
-            Color color,
-            bool vertical) override {
-    static const char* const kAnchors[] = {"start", "middle", "end"};
-    const std::string position = Decimal(baseline.x) + " " + Decimal(baseline.y);
-    body_ += "<text transform=\"translate(" + position + ")" + (vertical ? " rotate(-90)" : "") +
-             "\" text-anchor=\"" + kAnchors[static_cast<int>(anchor)] + "\" font-size=\"" +
-             Decimal(size) + "\" fill=\"" + Rgb(color) + "\">" + EscapedXml(text) + "</text>\n";
-  }
-
-  void Save(const std::string& path) const override {
-    WriteTextAtomically(path, body_ + "</svg>\n");
-  }
-
- private:
-  static std::string Rgb(Color color) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "#%02x%02x%02x", color.red, color.green, color.blue);
-    return text;
-  }
-
-  std::string body_;
-};
-
-class PngCanvas : public PlotCanvas {
- public:
-  PngCanvas(int width, int height)
-      : image_(height * kZoom, width * kZoom, CV_8UC3, cv::Scalar::all(255)) {}
-
-  void Polyline(const std::vector<PlotPoint>& points, Color color, double width) override {
-    std::vector<cv::Point> pixels;
-    pixels.reserve(points.size());
-    for (const PlotPoint& point : points) {
-      pixels.emplace_back(Fixed(point.x), Fixed(point.y));
-    }
-    const int thickness = std::max(1, static_cast<int>(std::lround(width * kZoom)));
-    cv::polylines(image_, pixels, false, Bgr(color), thickness, cv::LINE_AA, kShift);
-  }
-
-  void Text(PlotPoint baseline,
-            const std::string& text,
-            TextAnchor anchor,
-            double size,
-            Color color,
-            bool vertical) override {
-    constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-    const double scale = size * kZoom / 30.0;  // capitals of this font are 21 px high
-    const int thickness = size * kZoom > 25 ? 2 : 1;
-    int below = 0;
-    const cv::Size extent = cv::getTextSize(text, kFont, scale, thickness, &below);
-    cv::Mat label(extent.height + 2 * below, extent.width + 2, CV_8UC3, cv::Scalar::all(255));
-    const cv::Point origin(1, extent.height + below / 2);
-    cv::putText(label, text, origin, kFont, scale, Bgr(color), thickness, cv::LINE_AA);
-    const int shift = static_cast<int>(anchor) * extent.width / 2;
-    cv::Point corner(static_cast<int>(baseline.x * kZoom) - shift,
-                     static_cast<int>(baseline.y * kZoom) - origin.y);
-    if (vertical) {
-      cv::rotate(label, label, cv::ROTATE_90_COUNTERCLOCKWISE);
-      corner = cv::Point(static_cast<int>(baseline.x * kZoom) - origin.y,
-                         static_cast<int>(baseline.y * kZoom) - extent.width + shift);
-    }
-    // Darken only, so that a label's white does not erase what is drawn already.
-    const cv::Rect whole(0, 0, image_.cols, image_.rows);
-    const cv::Rect target = cv::Rect(corner, label.size()) & whole;
-    if (target.empty()) return;
-    cv::Mat region = image_(target);
-    cv::min(region, label(target - corner), region);
-  }
-
-  void Save(const std::string& path) const override {
-    WriteFileAtomically(path, [&](const std::string& temporary_path) {
-      if (!cv::imwrite(temporary_path, image_)) {
-        throw InputError(path, "an error on writing", "a folder that can be written");
-      }
-    });
-  }
-
- private:
-  static constexpr int kZoom = 2;
-  static constexpr int kShift = 4;  // fractional bits of a coordinate
-
-  static int Fixed(double x) { return static_cast<int>(std::lround(x * kZoom * (1 << kShift))); }
-  static cv::Scalar Bgr(Color color) { return cv::Scalar(color.blue, color.green, color.red); }
-
-  cv::Mat image_;
-};
+void RequireSuccess(cairo_status_t status, const std::string& path) {
+  if (status == CAIRO_STATUS_SUCCESS) return;
+  throw InputError(path, cairo_status_to_string(status), "a file that can be written");
+}
 
 }  // namespace
 
-std::unique_ptr<PlotCanvas> MakeSvgCanvas(int width, int height) {
-  return std::make_unique<SvgCanvas>(width, height);
+struct PlotCanvas::Drawing {
+  int width, height;
+  cairo_surface_t* recording;
+  cairo_t* context;
+};
+
+PlotCanvas::PlotCanvas(int width, int height) {
+  const cairo_rectangle_t extents = {0, 0, static_cast<double>(width), static_cast<double>(height)};
+  cairo_surface_t* const recording =
+      cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, &extents);
+  drawing_ = std::make_unique<Drawing>(Drawing{width, height, recording, cairo_create(recording)});
+  cairo_t* const context = drawing_->context;
+  SetColor(context, {255, 255, 255});
+  cairo_paint(context);
+  cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+  cairo_select_font_face(context, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
 }
 
-std::unique_ptr<PlotCanvas> MakePngCanvas(int width, int height) {
-  return std::make_unique<PngCanvas>(width, height);
+PlotCanvas::~PlotCanvas() {
+  cairo_destroy(drawing_->context);
+  cairo_surface_destroy(drawing_->recording);
+}
+
+void PlotCanvas::Polyline(const std::vector<PlotPoint>& points, Color color, double width) {
+  cairo_t* const context = drawing_->context;
+  SetColor(context, color);
+  cairo_set_line_width(context, width);
+  cairo_new_path(context);  // text leaves a point behind
+  // Piece by piece: the time of a stroke rises with the square of what crosses itself in it. Pieces
+  // share a segment, so that the joint is drawn.
+  for (size_t begin = 0; begin + 1 < points.size(); begin += kStrokePoints - 2) {
+    const size_t end = std::min(begin + kStrokePoints, points.size());
+    for (size_t i = begin; i < end; ++i) cairo_line_to(context, points[i].x, points[i].y);
+    cairo_stroke(context);
+    if (end == points.size()) break;
+  }
+}
+
+void PlotCanvas::Text(PlotPoint baseline,
+                      const std::string& text,
+                      TextAnchor anchor,
+                      double size,
+                      Color color,
+                      bool vertical) {
+  cairo_t* const context = drawing_->context;
+  cairo_save(context);
+  cairo_set_font_size(context, size);
+  cairo_text_extents_t extents;
+  cairo_text_extents(context, text.c_str(), &extents);
+  cairo_translate(context, baseline.x, baseline.y);
+  if (vertical) cairo_rotate(context, -M_PI / 2);
+  cairo_move_to(context, -0.5 * static_cast<int>(anchor) * extents.x_advance, 0);
+  SetColor(context, color);
+  cairo_show_text(context, text.c_str());
+  cairo_restore(context);
+}
+
+void PlotCanvas::SavePdf(const std::string& path) const {
+  WriteFileAtomically(path, [&](const std::string& temporary_path) {
+    cairo_surface_t* const surface =
+        cairo_pdf_surface_create(temporary_path.c_str(), drawing_->width, drawing_->height);
+    RequireSuccess(PaintOn(surface, drawing_->recording, 1), path);
+  });
+}
+
+void PlotCanvas::SaveSvg(const std::string& path) const {
+  WriteFileAtomically(path, [&](const std::string& temporary_path) {
+    cairo_surface_t* const surface =
+        cairo_svg_surface_create(temporary_path.c_str(), drawing_->width, drawing_->height);
+    cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
+    RequireSuccess(PaintOn(surface, drawing_->recording, 1), path);
+  });
+}
+
+void PlotCanvas::SavePng(const std::string& path) const {
+  WriteFileAtomically(path, [&](const std::string& temporary_path) {
+    cairo_surface_t* const surface = cairo_image_surface_create(
+        CAIRO_FORMAT_RGB24, kPngZoom * drawing_->width, kPngZoom * drawing_->height);
+    RequireSuccess(PaintOn(surface, drawing_->recording, kPngZoom, temporary_path.c_str()), path);
+  });
 }
 
 }  // namespace prism

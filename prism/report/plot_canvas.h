@@ -18,24 +18,33 @@ struct Color {
 
 enum class TextAnchor { kStart, kMiddle, kEnd };
 
-// A surface to draw on; x to the right, y down, in units of a screen pixel.
+// A white surface to draw on; x to the right, y down, in units of a screen pixel.
 class PlotCanvas {
  public:
-  virtual ~PlotCanvas() = default;
-  virtual void Polyline(const std::vector<PlotPoint>& points, Color color, double width) = 0;
-  // `baseline`: where the anchor of the text stands. `vertical` text reads upwards.
-  virtual void Text(PlotPoint baseline,
-                    const std::string& text,
-                    TextAnchor anchor,
-                    double size,
-                    Color color,
-                    bool vertical) = 0;
-  // Writes the drawing, whole or not at all. Throws InputError if that cannot be done.
-  virtual void Save(const std::string& path) const = 0;
-};
+  PlotCanvas(int width, int height);
+  ~PlotCanvas();
+  PlotCanvas(const PlotCanvas&) = delete;
+  PlotCanvas& operator=(const PlotCanvas&) = delete;
 
-std::unique_ptr<PlotCanvas> MakeSvgCanvas(int width, int height);
-// Twice the pixels each way, for dense screens and print.
-std::unique_ptr<PlotCanvas> MakePngCanvas(int width, int height);
+  void Polyline(const std::vector<PlotPoint>& points, Color color, double width);
+  // `baseline`: where the anchor of the text stands. `vertical` text reads upwards.
+  void Text(PlotPoint baseline,
+            const std::string& text,
+            TextAnchor anchor,
+            double size,
+            Color color,
+            bool vertical);
+
+  // Each writes the drawing whole or not at all, and throws InputError if that cannot be done. PDF
+  // has its fonts inside and text that can be copied; SVG has their outlines; PNG has twice the
+  // pixels each way, for dense screens.
+  void SavePdf(const std::string& path) const;
+  void SaveSvg(const std::string& path) const;
+  void SavePng(const std::string& path) const;
+
+ private:
+  struct Drawing;
+  std::unique_ptr<Drawing> drawing_;
+};
 
 }  // namespace prism

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -13,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "prism/eval/metrics.h"
-#include "prism/image/image.h"
+#include "prism/report/keyframe_images.h"
 #include "prism/scene/trajectory.h"
 
 namespace prism {
@@ -32,25 +33,13 @@ struct ReportFrame {
   double brightness_a = 0;                 // affine brightness, log gain and offset
   double brightness_b = 0;                 // intensities
   std::map<std::string, double> stage_ms;  // time spent on this frame, by stage
-};
-
-struct ReportKeyframe {
-  struct Point {
-    float x = 0;  // px of the image
-    float y = 0;
-    float depth_m = 0;
-  };
-  int64_t time_ns = 0;
-  SE3 world_from_cam;
-  std::string jpeg;  // the encoded image
-  int width = 0;     // px
-  int height = 0;
-  std::vector<Point> points;
+  // Relative, of the metric scale, as stated by the window of a keyframe; 0: not known.
+  double scale_sigma = 0;
 };
 
 struct ReportCloudPoint {
   Eigen::Vector3f p_in_world = Eigen::Vector3f::Zero();  // metres
-  uint8_t intensity = 0;
+  std::array<uint8_t, 3> rgb{};
 };
 
 // All that report.html shows of a run. World is the one of `trajectory`.
@@ -68,24 +57,23 @@ struct RunReport {
   // Of each of them the piece of the map it belongs to; empty: there is one.
   std::vector<int> pieces;
   std::vector<ReportKeyframe> keyframes;  // in order of time; some may have no image and points
-  std::vector<ReportCloudPoint> cloud;
+  // Tangents of half the angles of view of their images; 0: not known.
+  double view_x = 0;
+  double view_y = 0;
+  std::vector<ReportCloudPoint> cloud;       // the points of the odometry
+  std::vector<ReportCloudPoint> dense;       // fused depth of the keyframes; empty: none
+  std::optional<double> scale_sigma;         // relative, of the metric scale of the whole path
   Trajectory groundtruth;                    // in its own world; empty: none
   std::optional<TrajectoryMetrics> metrics;  // of trajectory against groundtruth
 };
 
-// Pixels of the thumbnail over those of the image: the largest power of 1/2 that makes an image of
-// this width at most max_width wide.
-double ThumbnailFactor(int image_width, int max_width);
-
-// A keyframe's image, gray 0 to 255, made smaller by ThumbnailFactor, as JPEG; sets jpeg, width and
-// height.
-void SetThumbnail(ImageView<float> image, int max_width, ReportKeyframe* keyframe);
-
 // What went wrong, and what became of it: "frames 12 to 15 not tracked (no texture)", "2 of 3
-// segments were joined to what was before".
+// segments were joined to what was before". At most 50 lines.
 std::vector<std::string> FindProblems(const std::vector<ReportFrame>& frames);
 
-// The data of the page. At most 60,000 points of the cloud are taken, evenly.
+// The data of the page, bounded however long the run was, so that the page has less than 20 MB.
+// What is too much is left out evenly (frames, poses, points, pictures of keyframes); `left_out`
+// says so, a line each.
 nlohmann::json ReportToJson(const RunReport& report);
 nlohmann::json FrameToReportJson(const ReportFrame& frame);
 // Without image and size if the keyframe has no image.

@@ -17,6 +17,7 @@
 #include "prism/io/frame_files.h"
 #include "prism/io/raw_sequence.h"
 #include "prism/io/rgbd_sequence.h"
+#include "prism/io/video_file.h"
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/run/folder_contents.h"
 #include "prism/run/raw_input.h"
@@ -69,17 +70,18 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
 }
 
 std::string DetectFormat(const SequenceOptions& options) {
-  if (!IsFolder(options.sequence)) {
-    throw InputError(options.sequence, "no such folder", "a sequence folder");
+  if (!IsFolder(options.sequence) && !(IsVideoName(options.sequence) && IsFile(options.sequence))) {
+    throw InputError(options.sequence, "no such folder", "a sequence folder or a video");
   }
   if (!options.format.empty()) return options.format;
   if (IsRawSequence(options.sequence)) return "raw";
   if (IsFocusedSequence(options.sequence)) return "focused";
   if (IsRgbdSequence(options.sequence)) return "rgbd";
   if (HasUnlistedFrames(options.sequence)) return "raw";
-  throw InputError(options.sequence,
-                   "neither raw.txt, focused.txt, rgb.txt or associations.txt nor images",
-                   "a sequence in one of these layouts");
+  throw InputError(
+      options.sequence,
+      "neither raw.txt, focused.txt, rgb.txt or associations.txt, nor images or a video",
+      "a sequence in one of these layouts");
 }
 
 // What the layouts have in common.

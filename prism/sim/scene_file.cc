@@ -364,7 +364,9 @@ SimScene ReadRoot(const std::string& path, bool white, const YAML::Node& node) {
                            lamp.Value<float>("power", "irradiance at 1 m")});
     lamp.RejectUnknownKeys();
   }
-  for (const auto& entry : root.Get("textures", "textures by name")) {
+  // A mesh has its own, or the colours of its vertices.
+  for (const auto& entry :
+       root.Has("textures") ? root.Get("textures", "textures by name") : YAML::Node()) {
     ReadTextureEntry(entry.first.as<std::string>(), entry.second, &context);
   }
   for (const auto& object : root.Get("objects", "a list of objects")) ReadObject(object, &context);

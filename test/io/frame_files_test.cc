@@ -4,15 +4,18 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/videoio.hpp>
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
+#include "prism/io/raw_sequence.h"
 #include "prism/io/time_list.h"
 #include "test/io/rgbd_folder.h"
 
 namespace prism {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -67,6 +70,49 @@ TEST(FrameFiles, HaveTheTimesOfTheirNames) {
   EXPECT_THAT(TimesOf(FindFrameFiles(seconds, 2)), ElementsAre(0, 500000000)) << "as told";
 }
 
+// Frame i is of gray value 20 i.
+void WriteVideo(const std::string& path, int frames, double rate_hz) {
+  cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), rate_hz, {64, 48});
+  ASSERT_TRUE(writer.isOpened()) << path;
+  for (int i = 0; i < frames; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i)));
+}
+
+TEST(FrameFiles, OfAVideoHaveItsRateOrTheOneTold) {
+  const std::string folder = FreshFolder("video");
+  WriteVideo(folder + "/a film.avi", 4, 20);
+  for (const std::string& sequence : {folder, folder + "/a film.avi"}) {
+    EXPECT_TRUE(HasUnlistedFrames(sequence));
+    const FrameFiles files = FindFrameFiles(sequence, 0);
+    EXPECT_THAT(TimesOf(files), ElementsAre(0, 50000000, 100000000, 150000000));
+    EXPECT_EQ(files.source, "4 of a film.avi, 20 Hz as it says");
+    EXPECT_EQ(files.frames[3].video_frame, 3);
+  }
+  EXPECT_THAT(TimesOf(FindFrameFiles(folder, 4)), ElementsAre(0, 250000000, 500000000, 750000000));
+  WriteFile(folder + "/Camera.yaml", "");
+  EXPECT_EQ(FindFile(folder + "/a film.avi", "camera.yaml"), folder + "/Camera.yaml");
+  WriteFile(folder + "/other.mp4", "");
+  EXPECT_THAT(ErrorOf(folder), HasSubstr("2 videos"));
+}
+
+TEST(FrameFiles, OfAVideoAreReadInAnyOrder) {
+  const std::string folder = FreshFolder("video_order");
+  WriteVideo(folder + "/film.avi", 12, 10);
+  PlenopticCamera camera;
+  camera.raw_width = 64;
+  camera.raw_height = 48;
+  const RawSequence sequence(folder, camera);
+  ASSERT_EQ(sequence.size(), 12);
+  for (const int i : {0, 2, 1, 3, 11, 8, 4, 5, 0}) {
+    EXPECT_NEAR(cv::mean(sequence.Read(i).image)[0], 20 * i, 3) << i;
+  }
+}
+
+TEST(FrameFiles, AVideoThatDoesNotOpenIsNamed) {
+  const std::string folder = FreshFolder("video_broken");
+  WriteFile(folder + "/film.mp4", "no video");
+  EXPECT_THAT(ErrorOf(folder), AllOf(HasSubstr("film.mp4"), HasSubstr("decoder")));
+}
+
 TEST(FrameFiles, OfEurocAreThoseOfItsList) {
   const std::string folder = FreshFolder("euroc");
   std::filesystem::create_directories(folder + "/mav0/cam0/data");
@@ -97,7 +143,7 @@ TEST(FrameFiles, OfWindowsListsMayHaveBlanksInTheirPaths) {
 
 TEST(FrameFiles, AFolderWithoutFramesIsBadInput) {
   const std::string folder = FreshFolder("empty");
-  EXPECT_THAT(ErrorOf(folder), HasSubstr("found neither raw.txt, data.csv nor images"));
+  EXPECT_THAT(ErrorOf(folder), HasSubstr("found neither raw.txt, data.csv, images nor a video"));
   EXPECT_FALSE(HasUnlistedFrames(folder));
 }
 

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: The PRISM-VO developers
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// write_sample_report PATH: a report as a run of 228 frames would leave it, made up, for the test
-// in a browser. write_sample_report --live PORT: the same run as it goes on, in a second.
+// write_sample_report PATH [FRAMES]: a report as a run of 228 frames, or so many, would leave it,
+// made up, for the test in a browser. write_sample_report --live PORT: the same run as it goes on,
+// in a second.
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <random>
 #include <string>
@@ -20,6 +22,7 @@ namespace prism {
 namespace {
 
 constexpr int kFrames = 228;
+constexpr size_t kMostPictures = 200;  // as prism_vo keeps them
 constexpr int kKeyframeStep = 5;
 constexpr int kWithoutImage = 10;  // this frame's keyframe
 
@@ -44,16 +47,27 @@ ReportKeyframe KeyframeAt(int i, std::mt19937* generator) {
                     noise(*generator);
     }
   }
-  SetThumbnail(image, 512, &keyframe);
+  SetThumbnail(MakeThumbnail(image, cv::Mat(), 512), &keyframe);
+  ImageF inverse_virtual_depth(1024, 1024, 0), sigma(1024, 1024, 0);
+  for (int y = 0; y < 1024; y += 2) {
+    for (int x = y / 2; x < 1024; x += 3) {  // some of the left lower half is not measured
+      inverse_virtual_depth(x, y) = 0.3F + 0.0001F * static_cast<float>(x);
+      sigma(x, y) =
+          0.002F + 0.000004F * static_cast<float>(y) + 1e-5F * std::abs(noise(*generator));
+    }
+  }
+  SetDepthMaps(MakeSmallDepth(inverse_virtual_depth, sigma, 256), &keyframe);
   std::uniform_real_distribution<float> pixel(0, 511);
   std::uniform_real_distribution<float> depth_m(0.8f, 4);
   for (int k = 0; k < 400; ++k) {
-    keyframe.points.push_back({pixel(*generator), pixel(*generator), depth_m(*generator)});
+    const float residual = k == 0 ? std::numeric_limits<float>::quiet_NaN() : 0.02F * k;
+    keyframe.points.push_back(
+        {pixel(*generator), pixel(*generator), depth_m(*generator), residual});
   }
   return keyframe;
 }
 
-RunReport SampleReport() {
+RunReport SampleReport(int frames) {
   std::mt19937 generator(7);
   RunReport report;
   report.title = "sample </script> & <run>";
@@ -62,7 +76,10 @@ RunReport SampleReport() {
   report.processor_seconds = 18;
   report.options = {{"sequence", "sample"}, {"threads", "2"}};
   report.camera = {{"focal length", "16.7 mm"}};
-  for (int i = 0; i < kFrames; ++i) {
+  report.scale_sigma = 0.0123;
+  report.view_x = 0.35;
+  report.view_y = 0.35;
+  for (int i = 0; i < frames; ++i) {
     const int64_t time_ns = i * int64_t{33333333};
     report.groundtruth.push_back({time_ns, PoseAt(i, 1)});
     ReportFrame frame;
@@ -79,32 +96,41 @@ RunReport SampleReport() {
       frame.stage_ms[stage] = 12 + std::sin(0.1 * i);
     }
     if (frame.is_keyframe) frame.stage_ms["optimise"] = 60;
+    if (frame.is_keyframe) frame.scale_sigma = 0.012;
     if (i >= 50) frame.stage_ms["realign"] = 2;
     if (frame.is_tracked) report.trajectory.push_back({time_ns, PoseAt(i, 0.97)});
-    if (frame.is_keyframe) report.keyframes.push_back(KeyframeAt(i, &generator));
-    if (i == kWithoutImage) report.keyframes.back().jpeg = "";
+    if (frame.is_keyframe && report.keyframes.size() < kMostPictures) {
+      report.keyframes.push_back(KeyframeAt(i, &generator));
+    } else if (frame.is_keyframe) {
+      report.keyframes.push_back({});
+      report.keyframes.back().time_ns = time_ns;
+      report.keyframes.back().world_from_cam = PoseAt(i, 1);
+    }
+    if (i == kWithoutImage) report.keyframes.back().DropPictures();
     report.frames.push_back(frame);
   }
   std::uniform_real_distribution<float> coordinate(-2, 2);
   for (int k = 0; k < 100000; ++k) {
     report.cloud.push_back(
         {{coordinate(generator), coordinate(generator), 2 + coordinate(generator)},
-         static_cast<uint8_t>(k % 256)});
+         {static_cast<uint8_t>(k % 256), static_cast<uint8_t>(k % 256), 128}});
+    report.dense.push_back({{coordinate(generator), 1, 2 + coordinate(generator)},
+                            {static_cast<uint8_t>(k % 256), 20, 200}});
   }
   report.metrics = EvaluateTrajectory(report.groundtruth, report.trajectory);
   return report;
 }
 
 int ShowLive(int port) {
-  const auto report = std::make_shared<const RunReport>(SampleReport());
   RunReport begin;
-  begin.title = report->title;
+  begin.title = "sample";
   std::string error;
   const auto live = LiveView::Start("127.0.0.1", port, begin, &error);
   if (!live) {
     std::cerr << error << std::endl;
     return 2;
   }
+  const auto report = std::make_shared<const RunReport>(SampleReport(kFrames));
   size_t keyframes = 0;
   size_t positions = 0;
   for (const ReportFrame& frame : report->frames) {
@@ -132,7 +158,7 @@ int ShowLive(int port) {
 
 int main(int argc, char** argv) {
   if (argc == 3 && std::string(argv[1]) == "--live") return prism::ShowLive(std::atoi(argv[2]));
-  if (argc != 2) return 2;
-  prism::WriteReport(argv[1], prism::SampleReport());
+  if (argc != 2 && argc != 3) return 2;
+  prism::WriteReport(argv[1], prism::SampleReport(argc == 3 ? std::atoi(argv[2]) : prism::kFrames));
   return 0;
 }

@@ -114,6 +114,56 @@ TEST_F(SceneFileTest, AMeshShowsItsTexture) {
   EXPECT_NEAR(seen[2], 0, 1e-5);
 }
 
+// A binary glTF of one triangle as above, red at every vertex.
+std::string RedTriangleGlb() {
+  const float values[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0};
+  std::string json = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+      "nodes": [{"mesh": 0}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}}]}],
+      "buffers": [{"byteLength": 72}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36},
+                      {"buffer": 0, "byteOffset": 36, "byteLength": 36}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                     "min": [0, 0, 0], "max": [1, 1, 0]},
+                    {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"}]})";
+  while (json.size() % 4 != 0) json += ' ';
+  std::string glb = "glTF";
+  const auto add = [&](uint32_t value) {
+    glb.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  add(2);
+  add(static_cast<uint32_t>(12 + 8 + json.size() + 8 + sizeof(values)));
+  add(static_cast<uint32_t>(json.size()));
+  glb += "JSON" + json;
+  add(sizeof(values));
+  glb += std::string("BIN\0", 4);
+  glb.append(reinterpret_cast<const char*>(values), sizeof(values));
+  return glb;
+}
+
+TEST_F(SceneFileTest, ASceneThatIsOneMeshNeedsNoTextures) {
+  Write("red.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+        "float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
+  Write("red.glb", RedTriangleGlb());
+  for (const std::string file : {"red.ply", "red.glb"}) {
+    const SimScene scene = ReadScene(
+        Write("mesh.yaml",
+              "name: test\npath: {position: [0, 0, 1], target: [1, 0, 1], extent_m: 0.2}\n"
+              "ambient: 1\nobjects:\n  - {kind: mesh, file: " +
+                  file + ", position: [0, 0, 0]}\n"));
+    const RayCaster caster(scene);
+    const SimHit hit = caster.Cast({{0.2f, 0.2f, 1}, {0, 0, -1}});
+    ASSERT_TRUE(hit.found()) << file;
+    const Rgb seen = caster.Radiance(hit, 0);
+    EXPECT_GT(seen[0], 0.1) << file;
+    EXPECT_LT(seen[1], 1e-3 * seen[0]) << file;
+    EXPECT_LT(seen[2], 1e-3 * seen[0]) << file;
+  }
+}
+
 TEST_F(SceneFileTest, BadScenesNameTheCause) {
   const std::string box = "  - {kind: box, position: [0, 0, 0], size: [1, 1, 1], texture: ";
   EXPECT_THAT(ErrorOf(folder_ + "none.yaml"), HasSubstr("no readable file"));

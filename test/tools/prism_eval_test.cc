@@ -78,6 +78,7 @@ TEST_F(PrismEvalTest, WritesTableJsonCsvLatexAndPlots) {
   for (const char* name : {"trajectory_above", "trajectory_side", "error", "scale"}) {
     EXPECT_TRUE(fs::exists(folder_ / "plots" / (std::string(name) + ".svg"))) << name;
     EXPECT_TRUE(fs::exists(folder_ / "plots" / (std::string(name) + ".png"))) << name;
+    EXPECT_TRUE(fs::exists(folder_ / "plots" / (std::string(name) + ".pdf"))) << name;
   }
   EXPECT_TRUE(fs::exists(Path("m.csv")));
   EXPECT_TRUE(fs::exists(Path("m.tex")));
@@ -150,7 +151,7 @@ TEST_F(PrismEvalTest, QuaternionsNearUnitAreNormalisedWithAWarning) {
   EXPECT_NEAR(nlohmann::json::parse(ReadTextFile(Path("m.json")))["ate_rmse_m"], 0, 1e-8);
 }
 
-TEST_F(PrismEvalTest, EvaluatesAndPlotsAHundredThousandPosesInTwoSeconds) {
+TEST_F(PrismEvalTest, EvaluatesAndPlotsAHundredThousandPosesInFourSeconds) {
   const std::string truth = Write("truth.txt", Circle(100000, 1.0));
   const std::string estimate = Write("estimate.txt", Circle(100000, 0.97));
   const double before_s = ChildrenSeconds();
@@ -158,7 +159,7 @@ TEST_F(PrismEvalTest, EvaluatesAndPlotsAHundredThousandPosesInTwoSeconds) {
       RunProgram("prism_eval --groundtruth=" + truth + " --estimate=" + estimate +
                  " --json=" + Path("m.json") + " --plot_dir=" + Path("plots"));
   EXPECT_EQ(run.exit_status, 0) << run.output;
-  EXPECT_LT(ChildrenSeconds() - before_s, 2.0);
+  EXPECT_LT(ChildrenSeconds() - before_s, 4.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // End-to-end runs of prism_vo and prism_check_jacobians, as a user starts them.
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -77,6 +78,64 @@ TEST(PrismVo, TracksARenderedSequenceInMetres) {
   for (const char* name : {"trajectory.txt", "keyframes.txt", "points.ply"}) {
     EXPECT_GT(fs::file_size(folder + "/out/" + name), 100u) << name;
   }
+}
+
+std::string DecodeBase64(const std::string& text) {
+  const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  uint32_t value = 0;
+  int bits = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    value = value << 6 | static_cast<uint32_t>(alphabet.find(c));
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes.push_back(static_cast<char>(value >> bits));
+  }
+  return bytes;
+}
+
+// What report.html holds as its data.
+nlohmann::json ReportData(const std::string& folder) {
+  const std::string page = Read(folder + "/report.html");
+  const std::string start = "<script type=\"application/json\" id=\"data\">";
+  const size_t begin = page.find(start) + start.size();
+  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+TEST(PrismVo, TheReportHoldsDepthResidualsScaleAndFusedPoints) {
+  const std::string folder = FreshFolder("run");
+  WriteRgbdFolder(folder + "/sequence");
+  ASSERT_EQ(RunVo(folder + "/sequence", folder + "/out").exit_status, 0);
+  const nlohmann::json data = ReportData(folder + "/out");
+  const nlohmann::json run = ReadJson(folder + "/out/run.json");
+  EXPECT_NEAR(data["scale_sigma"].get<double>(), run["scale_sigma"].get<double>(), 1e-9);
+  EXPECT_EQ(data["error"].size(), 20u);
+  EXPECT_TRUE(data["left_out"].empty()) << data["left_out"];
+  // 12 bytes a point, 4 characters for 3 of them.
+  EXPECT_GT(data["dense"]["positions"].get<std::string>().size(), 16 * 1000u);
+  size_t stated = 0;
+  for (const nlohmann::json& frame : data["frames"]) stated += frame.contains("scale_sigma");
+  EXPECT_EQ(stated + 1, run["keyframe_count"].get<size_t>()) << "all but the first";
+  ASSERT_EQ(data["keyframes"].size(), run["keyframe_count"].get<size_t>());
+  size_t all = 0, fitting = 0;
+  for (const nlohmann::json& keyframe : data["keyframes"]) {
+    ASSERT_TRUE(keyframe.contains("inverse_virtual_depth") && keyframe.contains("sigma"));
+    const nlohmann::json& depth = keyframe["inverse_virtual_depth"];
+    EXPECT_GT(depth["low"], 0);
+    EXPECT_LT(depth["low"], depth["high"]);
+    EXPECT_LT(depth["high"], 0.5);
+    EXPECT_NEAR(keyframe["sigma"]["low"].get<double>(), 0.004, 1e-6) << "what was added as noise";
+    // x, y, depth and residual, 4 bytes each.
+    const std::string bytes = DecodeBase64(keyframe.value("points", ""));
+    std::vector<float> points(bytes.size() / sizeof(float));
+    std::memcpy(points.data(), bytes.data(), bytes.size());
+    all += points.size() / 4;
+    for (size_t i = 3; i < points.size(); i += 4) fitting += points[i] > 0 && points[i] < 20;
+  }
+  EXPECT_GT(all, 1000u);
+  EXPECT_GT(fitting, all * 8 / 10);
 }
 
 TEST(PrismVo, TheSameCommandWritesTheSameBytesWithAnyNumberOfThreads) {

@@ -9,9 +9,9 @@ function download(name, parts, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-// A binary PLY of positions x, y, z, x, ... with a gray value each.
-function plyOf(positions, intensities) {
-  const count = intensities.length;
+// A binary PLY of positions x, y, z, x, ... with a colour each, red, green, blue, red, ...
+function plyOf(positions, colors) {
+  const count = colors.length / 3;
   const header = 'ply\nformat binary_little_endian 1.0\ncomment PRISM-VO, metres\n' +
       `element vertex ${count}\nproperty float x\nproperty float y\nproperty float z\n` +
       'property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n';
@@ -19,7 +19,7 @@ function plyOf(positions, intensities) {
   for (let i = 0; i < count; ++i) {
     for (let k = 0; k < 3; ++k) {
       body.setFloat32(15 * i + 4 * k, positions[3 * i + k], true);
-      body.setUint8(15 * i + 12 + k, intensities[i]);
+      body.setUint8(15 * i + 12 + k, colors[3 * i + k]);
     }
   }
   return [header, body];

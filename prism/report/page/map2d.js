@@ -8,8 +8,10 @@ function makeMap2d(element, onKeyframe) {
   element.appendChild(canvas);
   const context = canvas.getContext('2d');
   const values = {trajectory: [], groundtruth: [], cloud: [], keyframes: []};
+  const cloudLayer = document.createElement('canvas');  // it takes long to draw
+  let cloudDrawn = '';                                  // for this view
   const visible = {trajectory: true, groundtruth: true, cloud: true, keyframes: true};
-  let intensities = [], selected = -1, cursor = null;
+  let colors = [], fractions = null, selected = -1, cursor = null;
   let box = {x: 0, z: 0, size: 1}, zoom = 1;
 
   const scale = () => zoom * 0.9 * Math.min(element.clientWidth, element.clientHeight) / box.size;
@@ -24,6 +26,31 @@ function makeMap2d(element, onKeyframe) {
     context.stroke();
   }
 
+  function drawCloud() {
+    const view = JSON.stringify([canvas.width, canvas.height, box, zoom, style('--ground')]);
+    if (view !== cloudDrawn) {
+      cloudDrawn = view;
+      cloudLayer.width = canvas.width;
+      cloudLayer.height = canvas.height;
+      const layer = cloudLayer.getContext('2d');
+      layer.setTransform(context.getTransform());
+      for (let i = 0; i < values.cloud.length; i += 3) {
+        layer.fillStyle = `rgb(${colors[i]}, ${colors[i + 1]}, ${colors[i + 2]})`;
+        layer.fillRect(...toScreen(values.cloud[i], values.cloud[i + 2]), 1.5, 1.5);
+      }
+    }
+    context.drawImage(cloudLayer, 0, 0, element.clientWidth, element.clientHeight);
+  }
+
+  function coloredPath(xyz) {
+    for (let i = 0; i < xyz.length; i += 3) {
+      if (fractions[i / 3] === null) continue;
+      context.fillStyle = cssColor(fractions[i / 3]);
+      const [x, y] = toScreen(xyz[i], xyz[i + 2]);
+      context.fillRect(x - 2, y - 2, 4, 4);
+    }
+  }
+
   function dot(position, color, radius) {
     context.fillStyle = style(color);
     context.beginPath();
@@ -33,6 +60,7 @@ function makeMap2d(element, onKeyframe) {
 
   function render() {
     const ratio = Math.min(window.devicePixelRatio, 2);
+    if (element.clientWidth === 0 || element.clientHeight === 0) return;
     canvas.width = ratio * element.clientWidth;
     canvas.height = ratio * element.clientHeight;
     canvas.style.width = element.clientWidth + 'px';
@@ -40,24 +68,23 @@ function makeMap2d(element, onKeyframe) {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = style('--ground');
     context.fillRect(0, 0, element.clientWidth, element.clientHeight);
-    if (visible.cloud) {
-      for (let i = 0; i < values.cloud.length; i += 3) {
-        const gray = Math.round(40 + 0.7 * (intensities[i / 3] || 0));
-        context.fillStyle = `rgb(${gray}, ${gray}, ${gray})`;
-        context.fillRect(...toScreen(values.cloud[i], values.cloud[i + 2]), 1.5, 1.5);
-      }
-    }
+    if (visible.cloud) drawCloud();
     if (visible.groundtruth) path(values.groundtruth, '--truth');
     path(values.trajectory, '--estimate');
     if (visible.keyframes) for (const k of values.keyframes) dot(k.position, '--keyframe', 3);
+    if (fractions) coloredPath(values.trajectory);
     if (values.keyframes[selected]) dot(values.keyframes[selected].position, '--ink', 5);
     if (cursor) dot(cursor, '--bad', 5);
   }
 
   const view = {
-    setTrajectory(xyz) { values.trajectory = xyz; },
+    setTrajectory(xyz, pieces, ofColors) { [values.trajectory, fractions] = [xyz, ofColors]; },
     setGroundtruth(xyz) { values.groundtruth = xyz; },
-    setCloud(xyz, gray) { [values.cloud, intensities] = [xyz, gray]; },
+    setCloud(xyz, rgb) {
+      [values.cloud, colors] = [xyz, rgb];
+      cloudDrawn = '';
+    },
+    setView() {},
     setKeyframes(keyframes) { values.keyframes = keyframes; },
     select(index) {
       selected = index;
@@ -121,7 +148,7 @@ function boundsOf(path, cloud) {
     const sorted = Float32Array.from({length: Math.floor(cloud.length / 3)},
                                      (_, i) => cloud[3 * i + k]).sort();
     const at = q => sorted[Math.round(q * (sorted.length - 1))];
-    const ends = sorted.length ? [at(0.02), at(0.98)] : [];
+    const ends = sorted.length ? [at(0.01), at(0.99)] : [];
     for (let i = k; i < path.length; i += 3) ends.push(path[i]);
     low[k] = ends.length ? ends.reduce((a, b) => Math.min(a, b)) : -1;
     high[k] = ends.length ? ends.reduce((a, b) => Math.max(a, b)) : 1;

@@ -45,7 +45,7 @@ function makePlots(container, onTime) {
 
   // rows: [time, value, ...] with null where there is none; labels: one a value.
   function setPlot(name, title, labels, rows) {
-    if (rows.length === 0) return;
+    if (!rows.some(row => row.slice(1).some(value => value !== null))) return;
     if (plots[name]) {
       Object.assign(plots[name], {labels, rows});
       plots[name].graph.updateOptions({file: rows, ...lines(labels)});

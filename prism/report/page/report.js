@@ -17,6 +17,7 @@
     } catch (error) {
       element.replaceChildren();
       get('no_webgl').hidden = false;
+      get('picture_control').hidden = true;
       return makeMap2d(element, choose);
     }
   }
@@ -27,8 +28,8 @@
     const keyframe = data.keyframes[selected];
     get('keyframe_slider').value = selected;
     view.select(selected, keyframe);
-    showKeyframe(keyframe, selected, data.keyframes.length, get('keyframe_image'),
-                 get('depth_legend'));
+    showKeyframe(keyframe, selected, data.keyframes.length, get('point_color').value,
+                 get('keyframe_image'), get('depth_legend'));
   }
 
   // All that shows a moment shows that of this frame.
@@ -38,7 +39,7 @@
     const frame = data.frames[looked];
     const time = frame.t - data.frames[0].t;
     get('frame_slider').value = looked;
-    get('frame_text').textContent = `frame ${looked} of ${data.frames.length}, ` +
+    get('frame_text').textContent = `frame ${looked * step()} of ${count('frame')}, ` +
         `${time.toFixed(2)} s, ${frame.keyframe ? 'keyframe' : frame.status}`;
     setCursor(time);
     const place = places[looked];
@@ -64,9 +65,16 @@
     let shown = index;
     while (data.keyframes[shown] && !data.keyframes[shown].jpeg) shown += step;
     select(data.keyframes[shown] ? shown : index);
-    const frame = data.frames.findIndex(f => Math.abs(f.t - data.keyframes[selected].t) < 1e-6);
-    if (frame >= 0) goToFrame(frame);
+    const chosen = selected;
+    goToTime(data.keyframes[selected].t - data.frames[0].t);
+    if (selected !== chosen) select(chosen);  // of a long run the frame itself is not here
   }
+
+  // Of a long run only every so many frames are here.
+  const step = () => data.live ? 1 : data.frame_step || 1;
+  // How many there are: `frame`, `tracked` or `keyframe`.
+  const count = what => !data.live ? data[what + '_count'] :
+      what === 'frame' ? data.frames.length : data.frames.filter(frame => frame[what]).length;
 
   function median(values) {
     const sorted = [...values].sort((a, b) => a - b);
@@ -89,10 +97,9 @@
   }
 
   function fillHead() {
-    const tracked = data.frames.filter(frame => frame.tracked).length;
     get('title').textContent = document.title = data.title;
-    get('summary').textContent = `${tracked} of ${data.frames.length} frames tracked, ` +
-        `${data.frames.filter(frame => frame.keyframe).length} keyframes` +
+    get('summary').textContent = `${count('tracked')} of ${count('frame')} frames tracked, ` +
+        `${count('keyframe')} keyframes` +
         (data.live ? data.disconnected ? ', no connection to the run' : ', running' : '') + (data.git_hash ? `, revision ${data.git_hash}` : '');
     const problems = get('problems');
     problems.replaceChildren();
@@ -105,12 +112,15 @@
       list.appendChild(document.createElement('li')).textContent = problem;
     }
     problems.appendChild(list);
-    get('notes').hidden = !data.notes || data.notes.length === 0;
-    get('notes').replaceChildren(...(data.notes || []).map(note => {
-      const item = document.createElement('li');
-      item.textContent = note;
-      return item;
-    }));
+    for (const list of ['notes', 'left_out']) {
+      const lines = data[list] || [];
+      get(list).hidden = lines.length === 0;
+      get(list).replaceChildren(...lines.map(line => {
+        const item = document.createElement('li');
+        item.textContent = line;
+        return item;
+      }));
+    }
   }
 
   function fillTiles() {
@@ -119,13 +129,16 @@
     if (m) {
       tiles.push([format(m.ate_rmse_m, 4) + ' m', 'ATE RMSE, SE3'],
                  [format(m.ate_rmse_sim3_m, 4) + ' m', 'ATE RMSE, Sim3'],
-                 [format(m.scale, 4), 'scale'],
+                 [format(m.scale, 4), 'scale against ground truth'],
                  [format(m.rpe_trans_rmse_m, 4) + ' m', 'drift over 1 s'],
                  [format(m.path_length_m, 2) + ' m', 'path']);
     }
+    if (data.scale_sigma > 0) {
+      tiles.push(['± ' + (100 * data.scale_sigma).toFixed(2) + ' %', 'metric scale, stated (1 σ)']);
+    }
     if (data.wall_seconds > 0) {
-      tiles.push([(data.frames.length / data.wall_seconds).toFixed(1), 'frames a second']);
-      tiles.push([(1000 * data.processor_seconds / data.frames.length).toFixed(0) + ' ms',
+      tiles.push([(count('frame') / data.wall_seconds).toFixed(1), 'frames a second']);
+      tiles.push([(1000 * data.processor_seconds / count('frame')).toFixed(0) + ' ms',
                   'processor time a frame']);
       tiles.push([data.peak_resident_mib.toFixed(0) + ' MiB', 'peak memory']);
     }
@@ -138,15 +151,21 @@
     }));
   }
 
-  function fillTables() {
-    const stages = {};
-    for (const frame of data.frames) {
-      for (const [name, ms] of Object.entries(frame.ms)) (stages[name] = stages[name] || []).push(ms);
+  function stagesOf(frames) {
+    const times = {};
+    for (const frame of frames) {
+      for (const [name, ms] of Object.entries(frame.ms)) (times[name] = times[name] || []).push(ms);
     }
-    const total = ms => ms.reduce((a, b) => a + b, 0);
-    fillTable(get('stages'), Object.entries(stages).sort(([, a], [, b]) => total(b) - total(a)).map(
-        ([name, ms]) => [name, ms.length, median(ms).toFixed(2),
-                         ms.reduce((a, b) => Math.max(a, b)).toFixed(2), total(ms).toFixed(0)]),
+    return Object.fromEntries(Object.entries(times).map(([name, ms]) => [name, {
+      count: ms.length, median: median(ms), largest: ms.reduce((a, b) => Math.max(a, b)),
+      total: ms.reduce((a, b) => a + b, 0)}]));
+  }
+
+  function fillTables() {
+    fillTable(get('stages'), Object.entries(data.stages || stagesOf(data.frames))
+        .sort(([, a], [, b]) => b.total - a.total)
+        .map(([name, s]) => [name, s.count, s.median.toFixed(2), s.largest.toFixed(2),
+                             s.total.toFixed(0)]),
               ['stage', 'frames', 'median ms', 'largest ms', 'total ms']);
     fillTable(get('metrics'), Object.entries(data.metrics || {}).filter(
         ([, value]) => typeof value !== 'object').map(([name, value]) => [name, value]));
@@ -159,6 +178,12 @@
     const start = data.frames[0].t;
     const rows = (...keys) => data.frames.map(
         frame => [frame.t - start, ...keys.map(key => frame[key] === undefined ? null : frame[key])]);
+    const shifted = series => (series || []).map(([t, value]) => [t - start, value]);
+    setPlot('error', 'Position error against ground truth (m)', ['error'], shifted(data.error));
+    setPlot('scale', 'Scale against ground truth, window of 3 s', ['scale'], shifted(data.scale));
+    setPlot('scale_sigma', 'Stated σ of the metric scale of a window (%)', ['σ'],
+            data.frames.filter(frame => frame.scale_sigma).map(
+                frame => [frame.t - start, 100 * frame.scale_sigma]));
     setPlot('rms', 'Residual RMS (intensities)', ['RMS'], rows('rms'));
     setPlot('points', 'Points used', ['points'], rows('points'));
     setPlot('a', 'Brightness a (log gain)', ['a'], rows('a'));
@@ -166,9 +191,49 @@
     const stages = [...new Set(data.frames.flatMap(frame => Object.keys(frame.ms)))];
     setPlot('ms', 'Stage times (ms)', stages,
             data.frames.map(frame => [frame.t - start, ...stages.map(name => frame.ms[name] || 0)]));
-    const shifted = series => (series || []).map(([t, value]) => [t - start, value]);
-    setPlot('error', 'Position error (m)', ['error'], shifted(data.error));
-    setPlot('scale', 'Scale against ground truth, window of 3 s', ['scale'], shifted(data.scale));
+  }
+
+  // What the path can be coloured by: values of the tracked frames, null where there is none.
+  function pathValues(name) {
+    const tracked = data.frames.filter(frame => frame.tracked);
+    if (name === 'time') return tracked.map(frame => frame.t - data.frames[0].t);
+    if (name === 'residual') return tracked.map(frame => frame.rms === undefined ? null : frame.rms);
+    const error = data.error || [];
+    let next = 0;
+    return tracked.map(frame => {
+      while (next + 1 < error.length &&
+             Math.abs(error[next + 1][0] - frame.t) <= Math.abs(error[next][0] - frame.t)) ++next;
+      return next < error.length && Math.abs(error[next][0] - frame.t) < 0.2 ? error[next][1] : null;
+    });
+  }
+
+  function fillPath() {
+    const name = get('path_color').value;
+    const values = name ? pathValues(name) : [];
+    const sorted = values.filter(value => value !== null).sort((a, b) => a - b);
+    const legend = get('path_legend');
+    if (sorted.length === 0) {
+      view.setTrajectory(data.trajectory, data.pieces, null);
+      const key = document.createElement('span');
+      key.className = 'key estimate';
+      legend.replaceChildren(key, 'estimate');
+      return;
+    }
+    const low = name === 'error' ? 0 : sorted[0];
+    const high = name === 'time' ? sorted[sorted.length - 1] : quantileOf(sorted, 0.98);
+    const range = Math.max(high - low, 1e-12);
+    view.setTrajectory(data.trajectory, data.pieces,
+                       values.map(value => value === null ? null : (value - low) / range));
+    const texts = {time: v => `${v.toFixed(1)} s`, error: v => `${(1e3 * v).toFixed(1)} mm`,
+                   residual: v => v.toFixed(1)};
+    legend.replaceChildren(`estimate by ${name} `, colorScale(
+        texts[name](low), texts[name](high) + (name === 'residual' ? ' intensities' : '')));
+  }
+
+  function fillCloud() {
+    const shown = data[get('cloud_choice').value];
+    view.setCloud(shown ? decodeFloats(shown.positions) : new Float32Array(),
+                  shown ? decodeBase64(shown.colors) : new Uint8Array());
   }
 
   function extent(values) {
@@ -186,13 +251,19 @@
 
   function fill3d() {
     view.setExtent(extent(data.trajectory));
-    view.setTrajectory(data.trajectory, data.pieces);
+    fillPath();
+    view.setView(data.view);
     view.setKeyframes(data.keyframes);
     if (data.groundtruth) {
       view.setGroundtruth(data.groundtruth);
       get('groundtruth_key').hidden = get('groundtruth_control').hidden = false;
     }
-    view.setCloud(decodeFloats(data.cloud.positions), decodeBase64(data.cloud.intensities));
+    get('path_color').querySelector('[value=error]').disabled = !data.error;
+    const dense = get('cloud_choice').querySelector('[value=dense]');
+    if (data.dense && dense.disabled) get('cloud_choice').value = 'dense';
+    dense.disabled = !data.dense;
+    get('download_dense').hidden = !data.dense;
+    fillCloud();
     get('keyframe_slider').max = Math.max(data.keyframes.length - 1, 0);
     let place = 0;
     places = data.frames.map(frame => frame.tracked ? place++ : null);
@@ -200,7 +271,8 @@
   }
 
   function fillAll() {
-    get('downloads').hidden = data.live || !data.trajectory_tum;
+    get('downloads').hidden = data.live || data.frames.length === 0;
+    get('download_trajectory').hidden = !data.trajectory_tum;
     fillHead();
     fillTiles();
     fillTables();
@@ -214,13 +286,24 @@
   get('frame_slider').oninput = event => goToFrame(Number(event.target.value));
   get('download_trajectory').onclick = () =>
       download('trajectory.txt', [data.trajectory_tum], 'text/plain');
-  get('download_cloud').onclick = () => download(
-      'points.ply', plyOf(decodeFloats(data.cloud.positions), decodeBase64(data.cloud.intensities)),
-      'application/octet-stream');
+  for (const [name, file] of [['cloud', 'points.ply'], ['dense', 'points_dense.ply']]) {
+    get('download_' + name).onclick = () => download(
+        file, plyOf(decodeFloats(data[name].positions), decodeBase64(data[name].colors)),
+        'application/octet-stream');
+  }
   get('reset_view').onclick = () => view.reset();
-  for (const name of ['cloud', 'keyframes', 'groundtruth']) {
+  for (const name of ['keyframes', 'picture', 'groundtruth']) {
     get('show_' + name).onchange = event => view.setVisible(name, event.target.checked);
   }
+  get('point_color').onchange = () => select(selected);
+  get('path_color').onchange = () => {
+    fillPath();
+    view.render();
+  };
+  get('cloud_choice').onchange = () => {
+    fillCloud();
+    view.render();
+  };
   fillAll();
   view.reset();
   select(0);
