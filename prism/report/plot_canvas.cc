@@ -8,6 +8,7 @@
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <cairo.h>
+#include <glog/logging.h>
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
@@ -47,19 +48,48 @@ void RequireSuccess(cairo_status_t status, const std::string& path) {
   throw InputError(path, cairo_status_to_string(status), "a file that can be written");
 }
 
+std::string EscapedXml(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '>') {
+      escaped += "&gt;";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+// Puts the texts of a drawing into its SVG.
+void AddDescription(const std::vector<std::string>& texts, const std::string& path) {
+  std::string description = "<desc>";
+  for (const std::string& text : texts) description += EscapedXml(text) + "\n";
+  std::string svg = ReadTextFile(path);
+  const size_t root = svg.find("<svg");
+  CHECK_NE(root, std::string::npos);
+  svg.insert(svg.find('>', root) + 1, "\n" + description + "</desc>");
+  WriteTextAtomically(path, svg);
+}
+
 }  // namespace
 
 struct PlotCanvas::Drawing {
   int width, height;
   cairo_surface_t* recording;
   cairo_t* context;
+  std::vector<std::string> texts;
 };
 
 PlotCanvas::PlotCanvas(int width, int height) {
   const cairo_rectangle_t extents = {0, 0, static_cast<double>(width), static_cast<double>(height)};
   cairo_surface_t* const recording =
       cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, &extents);
-  drawing_ = std::make_unique<Drawing>(Drawing{width, height, recording, cairo_create(recording)});
+  drawing_ =
+      std::make_unique<Drawing>(Drawing{width, height, recording, cairo_create(recording), {}});
   cairo_t* const context = drawing_->context;
   SetColor(context, {255, 255, 255});
   cairo_paint(context);
@@ -103,6 +133,7 @@ void PlotCanvas::Text(PlotPoint baseline,
   cairo_move_to(context, -0.5 * static_cast<int>(anchor) * extents.x_advance, 0);
   SetColor(context, color);
   cairo_show_text(context, text.c_str());
+  drawing_->texts.push_back(text);
   cairo_restore(context);
 }
 
@@ -120,6 +151,7 @@ void PlotCanvas::SaveSvg(const std::string& path) const {
         cairo_svg_surface_create(temporary_path.c_str(), drawing_->width, drawing_->height);
     cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
     RequireSuccess(PaintOn(surface, drawing_->recording, 1), path);
+    AddDescription(drawing_->texts, temporary_path);
   });
 }
 

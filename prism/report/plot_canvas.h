@@ -36,8 +36,9 @@ class PlotCanvas {
             bool vertical);
 
   // Each writes the drawing whole or not at all, and throws InputError if that cannot be done. PDF
-  // has its fonts inside and text that can be copied; SVG has their outlines; PNG has twice the
-  // pixels each way, for dense screens.
+  // has its fonts inside and text that can be copied; SVG has their outlines, and its
+  // texts once more as a description, for search and screen readers; PNG has twice the pixels each
+  // way, for dense screens.
   void SavePdf(const std::string& path) const;
   void SaveSvg(const std::string& path) const;
   void SavePng(const std::string& path) const;

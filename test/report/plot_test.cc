@@ -18,6 +18,7 @@
 namespace prism {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::DoubleNear;
 using ::testing::HasSubstr;
 using ::testing::Pointwise;
@@ -79,6 +80,10 @@ TEST(Plot, IsWrittenAsPdfSvgAndPngOfTheSameDrawing) {
 
   EXPECT_EQ(StrokesOfFirst(ReadTextFile((folder / "error.svg").string()), "1.5"), 2u)
       << "a line on each side of the gap";
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_file((folder / "error.svg").c_str()));
+  EXPECT_THAT(document.child("svg").child_value("desc"),
+              AllOf(HasSubstr("Error <of> A & B\n"), HasSubstr("first\n")));
   const cv::Mat png = cv::imread((folder / "error.png").string());
   ASSERT_EQ(png.size(), cv::Size(1600, 1000));
   EXPECT_GT(CountFirstColor(png), 1000);
