@@ -13,10 +13,14 @@ if(PRISM_INSTALL AND TARGET prism_simulate)
   if(PRISM_SANITIZE)
     set(flags "-fsanitize=address,undefined -DEIGEN_MALLOC_ALREADY_ALIGNED=1")
   endif()
+  set(launcher ${CMAKE_CXX_COMPILER_LAUNCHER})
+  if(launcher)
+    list(GET launcher -1 launcher)  # ccache, without what it is told about precompiled headers
+  endif()
   add_test(NAME consumer.Installed
     COMMAND ${CMAKE_COMMAND} -DBINARY_DIR=${PROJECT_BINARY_DIR} -DCONFIG=$<CONFIG>
             -DWORK_DIR=${CMAKE_CURRENT_BINARY_DIR}/consumer_installed -DGENERATOR=${CMAKE_GENERATOR}
-            -DCXX_COMPILER=${CMAKE_CXX_COMPILER} -DCXX_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+            -DCXX_COMPILER=${CMAKE_CXX_COMPILER} -DCXX_LAUNCHER=${launcher}
             -DCXX_FLAGS=${flags} -P ${consumer_dir}/consumer_test.cmake)
   set_tests_properties(consumer.Installed PROPERTIES TIMEOUT 600)
 endif()
