@@ -9,6 +9,7 @@
 
 #include "prism/base/error.h"
 #include "prism/io/atomic_file.h"
+#include "test/io/rgbd_folder.h"
 
 namespace prism {
 namespace {
@@ -17,9 +18,7 @@ using ::testing::HasSubstr;
 
 class MicroImageCornersTest : public ::testing::Test {
  protected:
-  MicroImageCornersTest() : folder_(::testing::TempDir() + "micro_image_corners") {
-    std::filesystem::create_directories(folder_);
-  }
+  MicroImageCornersTest() : folder_(FreshFolder("csv")) {}
   ~MicroImageCornersTest() override { std::filesystem::remove_all(folder_); }
 
   std::vector<MicroImageCorner> Read(const std::string& corners, const std::string& centers) {

@@ -13,6 +13,7 @@
 #include "prism/sim/mesh_file.h"
 #include "prism/sim/procedural_texture.h"
 #include "prism/sim/ray_caster.h"
+#include "test/io/rgbd_folder.h"
 
 namespace prism {
 namespace {
@@ -21,7 +22,7 @@ using testing::HasSubstr;
 
 class SceneFileTest : public testing::Test {
  protected:
-  SceneFileTest() : folder_(testing::TempDir() + "scene_file_test/") { CreateDirectory(folder_); }
+  SceneFileTest() : folder_(FreshFolder("scene") + "/") {}
   ~SceneFileTest() override { std::filesystem::remove_all(folder_); }
 
   std::string Write(const std::string& name, const std::string& text) const {
