@@ -64,15 +64,19 @@ std::string EscapedXml(const std::string& text) {
   return escaped;
 }
 
+// A cairo_write_func_t; `text` is a std::string.
+cairo_status_t Append(void* text, const unsigned char* bytes, unsigned int count) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
 // Puts the texts of a drawing into its SVG.
-void AddDescription(const std::vector<std::string>& texts, const std::string& path) {
-  std::string description = "<desc>";
+void AddDescription(const std::vector<std::string>& texts, std::string* svg) {
+  std::string description = "\n<desc>";
   for (const std::string& text : texts) description += EscapedXml(text) + "\n";
-  std::string svg = ReadTextFile(path);
-  const size_t root = svg.find("<svg");
+  const size_t root = svg->find("<svg");
   CHECK_NE(root, std::string::npos);
-  svg.insert(svg.find('>', root) + 1, "\n" + description + "</desc>");
-  WriteTextAtomically(path, svg);
+  svg->insert(svg->find('>', root) + 1, description + "</desc>");
 }
 
 }  // namespace
@@ -146,13 +150,13 @@ void PlotCanvas::SavePdf(const std::string& path) const {
 }
 
 void PlotCanvas::SaveSvg(const std::string& path) const {
-  WriteFileAtomically(path, [&](const std::string& temporary_path) {
-    cairo_surface_t* const surface =
-        cairo_svg_surface_create(temporary_path.c_str(), drawing_->width, drawing_->height);
-    cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
-    RequireSuccess(PaintOn(surface, drawing_->recording, 1), path);
-    AddDescription(drawing_->texts, temporary_path);
-  });
+  std::string svg;
+  cairo_surface_t* const surface =
+      cairo_svg_surface_create_for_stream(Append, &svg, drawing_->width, drawing_->height);
+  cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
+  RequireSuccess(PaintOn(surface, drawing_->recording, 1), path);
+  AddDescription(drawing_->texts, &svg);
+  WriteTextAtomically(path, svg);
 }
 
 void PlotCanvas::SavePng(const std::string& path) const {

@@ -19,13 +19,23 @@ import browser
 LEFT = "\ue012"
 UP = "\ue013"
 
-# The colours of what the canvas shows: background only, or a picture.
-CANVAS_COLORS = """
+# `pixels` of what the 3D view's canvas shows.
+VIEW_PIXELS = """
 const canvas = document.querySelector('#view3d canvas');
 window.prismReport.view.render();
 const gl = canvas.getContext('webgl2') || canvas.getContext('webgl');
 const pixels = new Uint8Array(4 * canvas.width * canvas.height);
 gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+"""
+
+# The same of the map that stands for it.
+MAP_PIXELS = """
+const canvas = document.querySelector('#view3d canvas');
+const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+"""
+
+# How many colours: one of background only, or those of a picture.
+CANVAS_COLORS = VIEW_PIXELS + """
 const colors = new Set();
 for (let i = 0; i < pixels.length; i += 4) {
   colors.add(pixels[i] << 16 | pixels[i + 1] << 8 | pixels[i + 2]);
@@ -33,22 +43,10 @@ for (let i = 0; i < pixels.length; i += 4) {
 return colors.size;
 """
 
-# A number that tells one picture of the 3D view from another.
-CANVAS_SUM = """
-const canvas = document.querySelector('#view3d canvas');
-window.prismReport.view.render();
-const gl = canvas.getContext('webgl2') || canvas.getContext('webgl');
-const pixels = new Uint8Array(4 * canvas.width * canvas.height);
-gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-return pixels.reduce((sum, value) => (31 * sum + value) % 1000000007, 0);
-"""
-
-# The same of the map that stands for it.
-MAP_SUM = """
-const canvas = document.querySelector('#view3d canvas');
-const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-return data.reduce((sum, value) => (31 * sum + value) % 1000000007, 0);
-"""
+# A number that tells one picture from another.
+SUM = "return pixels.reduce((sum, value) => (31 * sum + value) % 1000000007, 0);"
+CANVAS_SUM = VIEW_PIXELS + SUM
+MAP_SUM = MAP_PIXELS + SUM
 
 # How many pixels of the keyframe's image are not gray: its points.
 COLORED_PIXELS = """
@@ -171,7 +169,7 @@ def choose(page, name, value):
 
 
 # Width of a map, and three of its pixels: one that is not measured, one left, one right.
-MAP_PIXELS = """
+DEPTH_MAP_PIXELS = """
 const canvas = document.querySelector('#%s canvas');
 const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
 const pixel = (x, y) => [...data.slice(4 * (y * canvas.width + x), 4 * (y * canvas.width + x) + 4)];
@@ -188,7 +186,7 @@ def check_keyframe_depth(page):
               f"no {name}")
         text = page.run(f"return document.querySelector('#{name} figcaption').textContent;")
         check(low in text, f"the legend of {name} says '{text}'")
-    width, none, left, right = page.run(MAP_PIXELS % "depth_map")
+    width, none, left, right = page.run(DEPTH_MAP_PIXELS % "depth_map")
     check(none[3] == 0, f"not measured, and drawn as {none}")
     # 1/v rises to the right: from yellow towards violet.
     check(left[3] == 255 and left[0] > right[0] + 50, f"1/v is {left} left, {right} right")
