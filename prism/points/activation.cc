@@ -50,8 +50,12 @@ bool ActivationOptions::IsValid(std::string* error) const {
   if (!selection.IsValid(error) || !candidates.IsValid(error) || !refinement.IsValid(error)) {
     return false;
   }
-  if (max_new_points >= 1 && min_point_distance >= 1) return true;
-  *error = "activation needs a point or more and a distance of 1 px or more";
+  if (max_new_points >= 1 && min_point_distance >= 1 && micro_image_gradient_margin >= 0) {
+    return true;
+  }
+  *error =
+      "activation needs a point or more, a distance of 1 px or more and a gradient margin of 0 or "
+      "more";
   return false;
 }
 

@@ -39,6 +39,12 @@ struct Context {
   int64_t texture_px = 0;
   SimScene scene;
 
+  // What `draw` returns, or white.
+  template <typename Draw>
+  void AddTexture(const Draw& draw) {
+    scene.textures.emplace_back(white ? cv::Mat(1, 1, CV_8U, cv::Scalar(255)) : draw());
+  }
+
   SurfaceTexture TextureOf(YamlSection& object, const std::string& key) const {
     const auto name = object.Value<std::string>(key, "the name of a texture");
     const auto found = textures.find(name);
@@ -122,8 +128,7 @@ void ReadTextureEntry(const std::string& name, const YAML::Node& node, Context* 
       throw InputError(context->path, "textures of more than 4 x 8192 x 8192 px", "fewer of them");
     }
     const auto seed = section.ValueOr<uint64_t>("seed", 1, "a seed");
-    context->scene.textures.emplace_back(context->white ? cv::Mat(1, 1, CV_8U, cv::Scalar(255))
-                                                        : MakeTexture(kind, pixels, seed));
+    context->AddTexture([&] { return MakeTexture(kind, pixels, seed); });
   }
   section.RejectUnknownKeys();
   context->textures[name] = texture;
@@ -195,8 +200,7 @@ void ReadCalibrationBoard(YamlSection& object, Context* context) {
   const Eigen::Vector3d middle =
       object.Has("position") ? object.Vector<3>("position", kPosition) : Eigen::Vector3d::Zero();
   const int square_px = std::min(256, kMaxTexture / (std::max(board.columns, board.rows) + 2));
-  context->scene.textures.emplace_back(context->white ? cv::Mat(1, 1, CV_8U, cv::Scalar(255))
-                                                      : DrawBoard(board, square_px, square_px));
+  context->AddTexture([&] { return DrawBoard(board, square_px, square_px); });
   AddQuad(middle + Eigen::Vector3d(0, width / 2, height / 2),
           {0, -width, 0},
           {0, 0, -height},

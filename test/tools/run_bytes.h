@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "prism/io/atomic_file.h"
 
 namespace prism {
 
@@ -17,9 +17,7 @@ namespace prism {
 inline std::map<std::string, std::string> BytesOfRun(const std::string& output_dir) {
   std::map<std::string, std::string> bytes;
   for (const char* name : {"trajectory.txt", "keyframes.txt", "points.ply", "run.json"}) {
-    std::ostringstream contents;
-    contents << std::ifstream(output_dir + "/" + name).rdbuf();
-    bytes[name] = contents.str();
+    bytes[name] = ReadTextFile(output_dir + "/" + name);
     EXPECT_FALSE(bytes[name].empty()) << output_dir << "/" << name;
   }
   auto run = nlohmann::ordered_json::parse(bytes["run.json"]);
