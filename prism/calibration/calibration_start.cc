@@ -73,7 +73,7 @@ struct LinePoint {
 
 // v = v_inf + k x, Huber. False if x does not spread.
 bool FitLine(const std::vector<LinePoint>& points, double* v_inf, double* k) {
-  double low = points[0].x, high = points[0].x;
+  double low = points[0].x, high = low;
   for (const LinePoint& p : points) {
     low = std::min(low, p.x);
     high = std::max(high, p.x);

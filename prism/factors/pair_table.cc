@@ -16,7 +16,7 @@ PairTable::PairTable(std::vector<const double*> states,
       pairs_(states_.size() * states_.size()) {
   CHECK_EQ(states_.size(), first_estimates_.size());
   for (FramePair& pair : pairs_) pair.inverse_sigma = 1 / residual_sigma;
-  PrepareForEvaluation(true, true);
+  PairTable::PrepareForEvaluation(true, true);
 }
 
 void PairTable::PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation_point) {

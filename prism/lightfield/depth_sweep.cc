@@ -120,7 +120,7 @@ std::optional<float> Sweep::Minimum(float noise) {
   if (!IsBracketed(best)) return std::nullopt;
   const float coarse_cost = hypotheses_[best].cost;
   best = ExactMinimum(best);
-  if (best < 0 || IsAmbiguous(best, coarse_cost, noise)) return std::nullopt;
+  if (best < 1 || IsAmbiguous(best, coarse_cost, noise)) return std::nullopt;
   // The vertex of the parabola through the three costs: started from a grid value, what is refined
   // would depend on which one was near.
   const float below = hypotheses_[best - 1].cost - hypotheses_[best].cost;

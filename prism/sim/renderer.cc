@@ -58,7 +58,7 @@ class SquareSequence {
   }
 
  private:
-  uint32_t seeds_[3];
+  uint32_t seeds_[3] = {};
 };
 
 // The samples of one pixel: few of them are enough, being evenly spread over pixel and lens.

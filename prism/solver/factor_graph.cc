@@ -29,7 +29,8 @@ int FactorGraph::AddFactor(NewFactor factor, const std::vector<int>& blocks) {
   for (size_t i = 0; i < blocks.size(); ++i) {
     CHECK_EQ(sizes[i], blocks_[blocks[i]].kind->size) << blocks_[blocks[i]].kind->name;
   }
-  factors_.push_back({factor.cost.get(),
+  costs_.push_back(std::move(factor.cost));
+  factors_.push_back({costs_.back().get(),
                       factor.loss,
                       term_,
                       factor.group,
@@ -38,7 +39,6 @@ int FactorGraph::AddFactor(NewFactor factor, const std::vector<int>& blocks) {
                       static_cast<int>(block_indices_.size()),
                       static_cast<int>(blocks.size())});
   block_indices_.insert(block_indices_.end(), blocks.begin(), blocks.end());
-  costs_.push_back(std::move(factor.cost));
   return static_cast<int>(factors_.size()) - 1;
 }
 
