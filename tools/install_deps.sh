@@ -4,7 +4,8 @@
 #   --with-browser   also Chromium (some 120 MB), which the tests of the report page drive
 #   --with-readers   also COLMAP, @mcap/core, and OpenCV and matplotlib for Python (some 100 MB), which
 #                    the tests of the exports and of the Python module read and plot with
-# Without them these tests are skipped, or read with less.
+#   --with-lint      also cppcheck and clang-tidy, for tools/lint.sh
+# Without the first two some tests are skipped, or read with less.
 set -euo pipefail
 
 packages=(
@@ -50,8 +51,11 @@ for option in "$@"; do
         npm ci --silent --ignore-scripts --prefix "$readers" ||
         echo "no @mcap/core here: MCAP files will be read with less"
       ;;
+    --with-lint)
+      install_missing cppcheck clang-tidy
+      ;;
     *)
-      echo "install_deps.sh: found '$option', expected --with-browser or --with-readers" >&2
+      echo "install_deps.sh: found '$option', expected --with-browser, --with-readers, --with-lint" >&2
       exit 2
       ;;
   esac

@@ -12,7 +12,7 @@ namespace prism {
 RecalibrationResult RecalibrateSequence(const SequenceOptions& sequence_options,
                                         const RecalibrationOptions& options) {
   const PlenopticCamera camera = Sequence(sequence_options).camera();
-  const RecalibrationResult result = Recalibrate(camera, options, [&] {
+  RecalibrationResult result = Recalibrate(camera, options, [&] {
     return [sequence = std::make_shared<Sequence>(sequence_options)] { return sequence->Next(); };
   });
   for (size_t i = 0; i < result.passes.size(); ++i) {

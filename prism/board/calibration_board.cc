@@ -32,7 +32,8 @@ Eigen::Vector3d CalibrationBoard::CornerPosition(int corner) const {
   CHECK_GE(corner, 0);
   CHECK_LT(corner, num_corners());
   const int in_row = columns - 1;
-  return {(corner % in_row + 1) * square_m, (corner / in_row + 1) * square_m, 0};
+  const int row = corner / in_row;
+  return {(corner % in_row + 1) * square_m, (row + 1) * square_m, 0};
 }
 
 bool ParseBoardPattern(const std::string& text, BoardPattern* pattern) {

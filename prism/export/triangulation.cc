@@ -76,7 +76,7 @@ TriangulatedPoint TriangulateWithoutOutliers(const PlenopticProjection& camera,
                                              const Eigen::Vector3d& start,
                                              Track* track,
                                              double max_error_px) {
-  const TriangulatedPoint point = Triangulate(camera, cam_from_world, *track, start);
+  TriangulatedPoint point = Triangulate(camera, cam_from_world, *track, start);
   const auto is_outlier = [&](const Observation& seen) {
     Eigen::Vector2d px;
     return !ProjectToKeyframe(camera, cam_from_world[seen.keyframe], point.p_in_world, &px) ||

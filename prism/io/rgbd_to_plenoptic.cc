@@ -38,7 +38,7 @@ class HoleFiller {
   HoleFiller(cv::Mat* image, int width)
       : image_(*image), distances_(image->rows + 2, width + 2, CV_32SC1, cv::Scalar(kFar)) {
     const cv::Mat is_hole = image_.colRange(0, width) == 0;  // 255: true
-    is_hole.convertTo(distances_({1, 1, width, image_.rows}), CV_32S, kFar / 255);
+    is_hole.convertTo(distances_({1, 1, width, image_.rows}), CV_32S, static_cast<double>(kFar) / 255);
     for (int y = 0; y < image_.rows; ++y) FindHoles(is_hole.ptr<uchar>(y), y, width);
   }
 
@@ -138,7 +138,7 @@ LightFieldFrame PlenopticFrameFromRgbd(const PlenopticCamera& camera,
   const float stated_sigma =
       static_cast<float>(std::max(options.inverse_depth_sigma, options.min_stated_sigma));
   NormalVariates variates(SeededGenerator(options.seed, stream));
-  const size_t row_size = static_cast<size_t>(width + kRgbdRowPadding);
+  const size_t row_size = static_cast<size_t>(width) + kRgbdRowPadding;
   std::vector<float> px(row_size), py(row_size), noise(row_size), w(row_size), values(row_size);
   for (int y = 0; y < height; ++y) {
     FindPinholePositions(projection, ViewOf(filled, width), y, px.data(), py.data());

@@ -112,7 +112,7 @@ Eigen::VectorXd ResidualsAt(const FactorGraph::Factor& factor,
   const std::vector<double> before(values, values + kind.size);
   Move(kind, delta, values);
   graph->PrepareForEvaluation();
-  const Eigen::VectorXd residuals = EvaluateFactor(*graph, factor).residuals;
+  Eigen::VectorXd residuals = EvaluateFactor(*graph, factor).residuals;
   std::copy(before.begin(), before.end(), values);
   return residuals;
 }

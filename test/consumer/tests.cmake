@@ -11,7 +11,7 @@ if(PRISM_INSTALL AND TARGET prism_simulate)
   # Sanitized libraries want a sanitized program.
   set(flags "")
   if(PRISM_SANITIZE)
-    set(flags "-fsanitize=address,undefined -DEIGEN_MALLOC_ALREADY_ALIGNED=1")
+    set(flags "-fsanitize=${PRISM_SANITIZE} -DEIGEN_MALLOC_ALREADY_ALIGNED=1")
   endif()
   set(launcher ${CMAKE_CXX_COMPILER_LAUNCHER})
   if(launcher)
