@@ -25,8 +25,10 @@ nlohmann::ordered_json KeyframeToJson(const KeyframeResult& keyframe) {
                                  {"points_dropped", keyframe.outliers.points_dropped}};
   if (const auto& known = keyframe.optimization.uncertainty) {
     json["scale_sigma"] = known->scale_sigma;
-    json["depth_offset"] = known->depth_offset;
-    json["depth_offset_sigma"] = known->depth_offset_sigma;
+    if (known->depth_offset_sigma > 0) {
+      json["depth_offset"] = known->depth_offset;
+      json["depth_offset_sigma"] = known->depth_offset_sigma;
+    }
   }
   for (size_t i = 0; i < keyframe.optimization.terms.size(); ++i) {
     const TermSummary& term = keyframe.optimization.terms[i];

@@ -43,16 +43,17 @@ bool DepthOffsetTermOptions::IsValid(std::string* error) const {
 }
 
 int DepthOffsetBlock(const WindowGraph& graph, const Keyframe& keyframe) {
-  return graph.FindBlock(kOffset, keyframe.id);
+  const int block = graph.FindBlock(kOffset, keyframe.id);
+  return block >= 0 ? block : PersistentDepthOffsetBlock(graph, keyframe);
 }
 
 int PersistentDepthOffsetBlock(const WindowGraph& graph, const Keyframe& keyframe) {
-  const int block = graph.FindBlock(kPersistent, keyframe.id);
-  return block >= 0 ? block : DepthOffsetBlock(graph, keyframe);
+  return graph.FindBlock(kPersistent, keyframe.id);
 }
 
 double DepthOffset(const Keyframe& keyframe) {
   const StateBlock* state = FindState(keyframe, kOffset);
+  if (state == nullptr) state = FindState(keyframe, kPersistent);
   return state != nullptr ? state->value(0) : 0;
 }
 
@@ -73,9 +74,9 @@ void DepthOffsetTerm::AddStates(Window* window) const {
                               ? PersistentDepthOffset(*keyframes[keyframes.size() - 2])
                               : 0;
   auto& states = window->newest().states;
-  states.push_back(MakeState(offset, expected));
+  if (options_.per_keyframe) states.push_back(MakeState(offset, expected));
   if (!options_.has_persistent()) return;
-  if (options_.per_keyframe) states.push_back(MakeState(persistent, expected));
+  states.push_back(MakeState(persistent, expected));
   if (keyframes.size() == 1) {
     states.back().prior_mean = Eigen::VectorXd::Zero(1);
     states.back().prior_sigma = Eigen::VectorXd::Constant(1, options_.prior_sigma);
@@ -86,14 +87,13 @@ void DepthOffsetTerm::AddFactors(const Window& window, WindowGraph* graph) const
   const auto block = [&](const char* kind, const Keyframe& keyframe) {
     return graph->FindBlock(kind, keyframe.id);
   };
-  const char* const lasting = options_.per_keyframe ? kPersistent : kOffset;
   const Keyframe* before = nullptr;
   for (const auto& keyframe : window.keyframes) {
     if (DepthOffsetBlock(*graph, *keyframe) < 0) continue;  // it came without AddStates
     // Where keyframes between have left, the prior ties what is left of the walk.
     if (options_.has_persistent() && before != nullptr && before->id + 1 == keyframe->id) {
       AddDifference(
-          {block(lasting, *before), block(lasting, *keyframe)}, options_.step_sigma, graph);
+          {block(kPersistent, *before), block(kPersistent, *keyframe)}, options_.step_sigma, graph);
     }
     if (options_.per_keyframe) {
       std::vector<int> blocks = {DepthOffsetBlock(*graph, *keyframe)};

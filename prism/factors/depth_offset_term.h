@@ -18,7 +18,8 @@ namespace prism {
 //
 // States of a keyframe, in units of 1/v:
 //   "depth offset"             delta + delta_k, what its depths are off by (DepthOffset)
-//   "persistent depth offset"  delta at that keyframe (where both parts are asked for)
+//   "persistent depth offset"  delta at that keyframe
+// each where it is asked for; with delta alone depths are off by that.
 struct DepthOffsetTermOptions {
   bool per_keyframe = true;  // false: delta_k is 0 (ablation)
   // Standard deviations of delta before anything is measured (0: it is 0, as errors that depend on
@@ -32,14 +33,13 @@ struct DepthOffsetTermOptions {
   bool IsValid(std::string* error) const;
 };
 
-// The block of a keyframe's offset; -1: there is none.
+// The block of what a keyframe's depths are off by; -1: there is none.
 int DepthOffsetBlock(const WindowGraph& graph, const Keyframe& keyframe);
-// The same of the part that later keyframes share (where nothing is a keyframe's own, the block of
-// the offset itself).
+// The same of the part that later keyframes share; -1: it is no state.
 int PersistentDepthOffsetBlock(const WindowGraph& graph, const Keyframe& keyframe);
 // What is known of the offset of a keyframe's depths; 0 if it has no such state.
 double DepthOffset(const Keyframe& keyframe);
-// The part that later keyframes share; where none is, or nothing is a keyframe's own, the whole.
+// The part that later keyframes share; where it is no state, the whole.
 double PersistentDepthOffset(const Keyframe& keyframe);
 
 // Adds the states with what is known of delta before any measurement, and factors between them: the

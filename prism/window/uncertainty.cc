@@ -38,6 +38,23 @@ Eigen::VectorXd PathGradient(const Window& window,
   return gradient;
 }
 
+// d ln(path length) / d (a shift that all measured 1/v have in common): the window can but grow
+// with it, by what fits the shifted depths best.
+double ScaleChangePerDepthShift(const Window& window) {
+  double sum = 0, square_sum = 0;
+  for (const auto& keyframe : window.keyframes) {
+    for (const auto& point : keyframe->points) {
+      if (!(point->w_sigma > 0 && point->rho > 0)) continue;
+      double dw_drho;
+      InverseVirtualDepth(window.camera, point->rho, &dw_drho);
+      const double dw_dlog_scale = -dw_drho * point->rho / point->w_sigma;
+      sum += dw_dlog_scale / point->w_sigma;
+      square_sum += dw_dlog_scale * dw_dlog_scale;
+    }
+  }
+  return square_sum > 0 ? sum / square_sum : 0;
+}
+
 }  // namespace
 
 std::optional<WindowUncertainty> EvaluateUncertainty(const Window& window,
@@ -74,6 +91,11 @@ std::optional<WindowUncertainty> EvaluateUncertainty(const Window& window,
     sum += own * own + own_variance;
   }
   result.keyframe_offset_square = sum / static_cast<double>(window.keyframes.size());
+  if (sum > 0 && newest < 0) {
+    // What all keyframes share is no state then, but it is not 0 either.
+    result.scale_sigma = std::hypot(
+        result.scale_sigma, ScaleChangePerDepthShift(window) * window.noise.DepthOffsetSigma());
+  }
   return result;
 }
 

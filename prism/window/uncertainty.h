@@ -12,7 +12,10 @@ namespace prism {
 struct WindowUncertainty {
   double path_m = 0;         // from keyframe to keyframe
   double newest_step_m = 0;  // to the newest of them
-  double scale_sigma = 0;    // standard deviation of ln(path_m): relative, of the metric scale
+  // Standard deviation of ln(path_m): relative, of the metric scale. Where keyframes have offsets
+  // of their own and what they share is no state (PersistentDepthOffsetBlock), that is taken to be
+  // off by as much (NoiseModel::DepthOffsetSigma), as it is no better known (docs/depth.md).
+  double scale_sigma = 0;
   // What the newest keyframe's depths share with later ones (PersistentDepthOffset); 0 without.
   double depth_offset = 0;
   double depth_offset_sigma = 0;

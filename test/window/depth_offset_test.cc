@@ -97,6 +97,23 @@ TEST(DepthOffset, WithoutItTheStatedUncertaintyOfAShiftedSensorDoesNotHold) {
             5 * result.uncertainty->scale_sigma);
 }
 
+TEST(DepthOffset, AShiftThatIsNoStateIsInTheStatedScale) {
+  const TermList terms = MakeDefaultTerms(DefaultTermOptions());
+  const auto known = [](double offset, const TermList& terms_of_window) {
+    Window window = MakeShiftedWindow(offset, 2, terms_of_window);
+    return OptimizeWindow(Thorough(), terms_of_window, &window).uncertainty.value();
+  };
+  const WindowUncertainty as_measured = known(0, terms);
+  // All but that shift: it is a state, but known.
+  DefaultTermOptions no_shift = WithOffsets(1e-9);
+  no_shift.depth_offset.step_sigma = 1e-9;
+  const double without = known(0, MakeDefaultTerms(no_shift)).scale_sigma;
+  const double shift = NoiseModel().DepthOffsetSigma();
+  const double change = std::log(known(shift, terms).path_m / as_measured.path_m);
+  EXPECT_GT(std::abs(change), 0.3 * without);
+  EXPECT_NEAR(as_measured.scale_sigma, std::hypot(without, change), 0.1 * std::abs(change));
+}
+
 TEST(DepthOffset, WhatIsKnownOfItStaysWhenKeyframesLeave) {
   const TermList terms = MakeDefaultTerms(WithOffsets(0.003));
   Window window = MakeShiftedWindow(0.003, 1, terms);
