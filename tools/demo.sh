@@ -19,7 +19,7 @@ if [ $# -ge 1 ]; then
 else
   sequence=out/demo/sequence
   output=out/demo/result
-  "$bin/prism_simulate" --scene=room --trajectory=loop --frames=60 --extent_m=0.25 --replace \
+  "$bin/prism_simulate" --scene=room --trajectory=loop --frames=30 --rate_hz=8 --extent_m=0.25 --replace \
     --camera=calib/raytrix_r5_16mm.yaml --output_dir="$sequence"
 fi
 
