@@ -205,7 +205,7 @@ FrameFiles FromEuroc(const std::string& list, bool skip_missing) {
 
 std::string EurocList(const std::string& folder) {
   for (const char* name : {"data.csv", "mav0/cam0/data.csv", "cam0/data.csv"}) {
-    const std::string path = InFolder(folder, name);
+    std::string path = InFolder(folder, name);
     if (IsFile(path)) return path;
   }
   return "";
@@ -235,7 +235,7 @@ bool HasUnlistedFrames(const std::string& folder) {
 
 std::string FindFile(const std::string& place, const std::string& name) {
   const std::string folder = IsFile(place) ? fs::path(place).parent_path().string() : place;
-  const std::string exact = InFolder(folder, name);
+  std::string exact = InFolder(folder, name);
   if (IsFile(exact)) return exact;
   if (!IsFolder(folder)) return "";
   std::error_code ignored;  // a folder that may not be read holds nothing

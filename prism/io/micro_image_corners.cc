@@ -42,7 +42,7 @@ class Table {
     while (std::getline(text, line)) {
       ++number;
       const std::vector<std::string> fields = SplitLine(line);
-      if (fields.empty() || fields[0].rfind("#", 0) == 0) continue;
+      if (fields.empty() || fields[0].rfind('#', 0) == 0) continue;
       std::vector<double> row;
       for (const size_t column : columns) {
         row.push_back(Number(column < fields.size() ? fields[column] : "", number));

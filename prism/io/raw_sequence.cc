@@ -91,7 +91,7 @@ RawFrame RawSequence::Read(int index) const {
 
 std::string RawSequence::WhiteImagePath() const {
   for (const char* name : {"white.png", "white.tif", "white.tiff", "white.bmp", "white.jpg"}) {
-    const std::string path = FindFile(folder_, name);
+    std::string path = FindFile(folder_, name);
     if (!path.empty()) return path;
   }
   return "";

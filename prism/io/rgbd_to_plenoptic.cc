@@ -38,7 +38,8 @@ class HoleFiller {
   HoleFiller(cv::Mat* image, int width)
       : image_(*image), distances_(image->rows + 2, width + 2, CV_32SC1, cv::Scalar(kFar)) {
     const cv::Mat is_hole = image_.colRange(0, width) == 0;  // 255: true
-    is_hole.convertTo(distances_({1, 1, width, image_.rows}), CV_32S, static_cast<double>(kFar) / 255);
+    is_hole.convertTo(
+        distances_({1, 1, width, image_.rows}), CV_32S, static_cast<double>(kFar) / 255);
     for (int y = 0; y < image_.rows; ++y) FindHoles(is_hole.ptr<uchar>(y), y, width);
   }
 

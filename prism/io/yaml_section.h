@@ -60,7 +60,7 @@ class YamlSection {
   template <typename T>
   T As(const std::string& key, const YAML::Node& node, const std::string& expected) const {
     try {
-      const T value = node.as<T>();
+      T value = node.as<T>();
       if constexpr (std::is_floating_point_v<T>) {
         if (!std::isfinite(value)) throw YAML::BadConversion(node.Mark());
       }

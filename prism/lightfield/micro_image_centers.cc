@@ -121,7 +121,7 @@ class Profile {
   }
 
  private:
-  size_t side() const { return static_cast<size_t>(2 * reach_ + 1); }
+  size_t side() const { return 2 * static_cast<size_t>(reach_) + 1; }
   bool Locate(const Eigen::Vector2d& m, size_t* index, double* fx, double* fy) const {
     const double x = m.x() + reach_;
     const double y = m.y() + reach_;

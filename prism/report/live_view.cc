@@ -131,7 +131,7 @@ struct LiveView::Server {
   }
 
   std::shared_ptr<Browser> AddBrowser(const std::string& last_event_id) {
-    const auto browser = std::make_shared<Browser>();
+    auto browser = std::make_shared<Browser>();
     const size_t separator = last_event_id.find('-');
     const std::lock_guard<std::mutex> lock(mutex);
     if (last_event_id.empty()) {

@@ -304,8 +304,9 @@ void WritePlotPage(const std::string& path_without_extension,
   const int rows = (static_cast<int>(plots.size()) + columns - 1) / columns;
   PlotCanvas canvas(columns * kWidth, rows * kHeight);
   for (int i = 0; i < static_cast<int>(plots.size()); ++i) {
+    const int row = i / columns;
     const PlotPoint origin{static_cast<double>(i % columns * kWidth),
-                           static_cast<double>(i / columns * kHeight)};
+                           static_cast<double>(row * kHeight)};
     Draw(plots[i], Panel(origin, &canvas));
   }
   canvas.SavePdf(path_without_extension + ".pdf");

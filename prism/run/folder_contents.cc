@@ -14,7 +14,7 @@ namespace {
 
 std::string FindCamera(const std::string& folder) {
   for (const char* name : {"camera.yaml", "camera.yml", "CameraModel.xml"}) {
-    const std::string path = FindFile(folder, name);
+    std::string path = FindFile(folder, name);
     if (!path.empty() && std::holds_alternative<PlenopticCamera>(ReadCamera(path))) return path;
   }
   return "";

@@ -42,8 +42,9 @@ float Irradiance(const RayCaster& caster,
   float irradiance = scene.ambient * open / kAmbientRays;
   for (const SimLamp& lamp : scene.lamps) {
     for (int i = 0; i < kLampSide * kLampSide; ++i) {
-      const float x = (static_cast<float>(i % kLampSide) + random.Uniform()) / kLampSide;
-      const float y = (static_cast<float>(i / kLampSide) + random.Uniform()) / kLampSide;
+      const int column = i % kLampSide, row = i / kLampSide;
+      const float x = (static_cast<float>(column) + random.Uniform()) / kLampSide;
+      const float y = (static_cast<float>(row) + random.Uniform()) / kLampSide;
       const Eigen::Vector3f point =
           lamp.center + lamp.size * Eigen::Vector3f(x - 0.5f, y - 0.5f, 0);
       const Eigen::Vector3f to_lamp = point - start;

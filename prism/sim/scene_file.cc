@@ -75,7 +75,7 @@ double LengthOf(YamlSection& object, const std::string& key, const Context& cont
 }
 
 Eigen::Vector3d SizeOf(YamlSection& object, const Context& context, double largest = kLargest) {
-  const Eigen::Vector3d size = object.Vector<3>("size", kSizeMetres);
+  Eigen::Vector3d size = object.Vector<3>("size", kSizeMetres);
   for (const double length : size) CheckLength(context, "size", length, largest);
   return size;
 }
