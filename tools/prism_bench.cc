@@ -74,7 +74,7 @@ BenchResult RunJob(const BenchSuite& suite, const BenchJob& job) {
   command.push_back("--output_dir=" + folder);
   const ProcessOutcome outcome =
       RunProcess(command, folder + "/log.txt", suite.time_limit_s, suite.memory_limit_mib);
-  const BenchResult result = CollectResult(job, outcome, folder);
+  BenchResult result = CollectResult(job, outcome, folder);
   WriteTextAtomically(ResultPath(job), result.dump() + "\n");
   return result;
 }

@@ -162,7 +162,7 @@ std::string StartCameraFile() {
   const std::array<int, 2> size = FLAGS_image_size_px.empty()
                                       ? FirstImageSize(FLAGS_sequence)
                                       : ParseSize("--image_size_px", FLAGS_image_size_px);
-  const std::string path = (fs::path(FLAGS_output_dir) / "start_camera.yaml").string();
+  std::string path = (fs::path(FLAGS_output_dir) / "start_camera.yaml").string();
   fs::create_directories(FLAGS_output_dir);
   WriteNativeCamera(path, CameraFromFlags(size));
   if (FLAGS_micro_lens_grid.empty()) {

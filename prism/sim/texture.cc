@@ -54,7 +54,7 @@ Rgb Texture::Sample(float u, float v, float footprint) const {
   const float level = std::min(std::log2(texels), static_cast<float>(levels_.size() - 1));
   const auto fine = static_cast<size_t>(level);
   const float to_coarse = level - static_cast<float>(fine);
-  const Rgb value = Bilinear(levels_[fine], u, v);
+  Rgb value = Bilinear(levels_[fine], u, v);
   if (to_coarse == 0) return value;
   return (1 - to_coarse) * value + to_coarse * Bilinear(levels_[fine + 1], u, v);
 }

@@ -158,7 +158,7 @@ class Checker {
     return true;
   }
 
-  void CheckSample(RandomState state) {
+  void CheckSample(const RandomState& state) {
     PhotometricPatch patch;
     if (!ProjectsInsideAwayFromKinks(state) || !MakePatch(image_, state.px, &patch)) return;
     ++result_.valid_samples;
