@@ -23,6 +23,7 @@
 #include "prism/lightfield/reprojection.h"
 #include "prism/lightfield/verdict.h"
 #include "prism/lightfield/with_threads.h"
+#include "prism/run/folder_contents.h"
 #include "prism/run/micro_lens_estimation.h"
 #include "prism/run/raw_input.h"
 #include "tools/rgbd_writer.h"
@@ -31,8 +32,12 @@
 #include "tools/verdict_json.h"
 
 DEFINE_string(raw, "", "Folder of a raw sequence (raw.txt).");
-DEFINE_string(camera, "", "Camera file.");
-DEFINE_string(micro_lens_grid, "", "Raytrix RayCalibData file, if the camera file has no grid.");
+DEFINE_string(camera, "", "Camera file; empty: camera.yaml or CameraModel.xml of the folder.");
+DEFINE_string(
+    micro_lens_grid,
+    "",
+    "Raytrix RayCalibData file, if the camera file has no grid; empty: MLA_Calibration.xml of "
+    "the folder.");
 DEFINE_string(white_image,
               "",
               "White image; empty: white.png of the folder, else found on the frames; none: frames "
@@ -83,6 +88,19 @@ RawInputOptions InputOptions() {
           FLAGS_colour,
           FLAGS_threads,
           FLAGS_focus_colour};
+}
+
+// Camera and grid that were not given, and a line about each.
+void TakeFromFolder(RawInputOptions* options) {
+  SequenceOptions sequence;
+  sequence.sequence = options->folder;
+  sequence.camera = options->camera;
+  sequence.micro_lens_grid = options->micro_lens_grid;
+  std::vector<std::string> report;
+  sequence = CompleteFromFolder(sequence, "raw", &report);
+  options->camera = sequence.camera;
+  options->micro_lens_grid = sequence.micro_lens_grid;
+  for (const std::string& line : report) std::cout << line << std::endl;
 }
 
 ExitStatus EstimateGridOnly() {
@@ -171,14 +189,15 @@ void WriteDepthTiff(int frame, const PlenopticCamera& camera, const ImageF& w) {
 
 ExitStatus ProcessSequence() {
   RequireFlag("raw", FLAGS_raw, "the folder of a raw sequence");
-  RequireFlag("camera", FLAGS_camera, "a camera file");
   RequireFlag("output_dir", FLAGS_output_dir, "a folder for the results");
   if (FLAGS_max_frames < 0) {
     throw InputError("--max_frames", std::to_string(FLAGS_max_frames), "0 (all) or more");
   }
-  RawInput input = OpenRawInput(InputOptions());
+  RawInputOptions input_options = InputOptions();
+  TakeFromFolder(&input_options);
+  RawInput input = OpenRawInput(input_options);
   cv::setNumThreads(FLAGS_threads > 0 ? FLAGS_threads : -1);
-  if (FLAGS_depth_tiff) RequireMetricDepth(input.camera, FLAGS_camera);
+  if (FLAGS_depth_tiff) RequireMetricDepth(input.camera, input_options.camera);
   ApplyFlags(&input.options);
   std::cout << input.grid_report << std::endl;
   if (!FLAGS_truth.empty() && !IsFolder(FLAGS_truth)) {
@@ -259,12 +278,11 @@ int main(int argc, char** argv) {
   return prism::RunTool(
       {"prism_lightfield",
        "turns raw plenoptic frames into virtual depth, totally focused images and pinhole views.",
-       "--raw=FOLDER --camera=FILE [--micro_lens_grid=FILE] [--white_image=FILE] "
+       "--raw=FOLDER [--camera=FILE] [--micro_lens_grid=FILE] [--white_image=FILE] "
        "--output_dir=FOLDER\n"
        "       prism_lightfield --estimate_grid --camera=FILE [--white_image=FILE] [--raw=FOLDER] "
        "--camera_out=FILE",
-       "prism_lightfield --raw=house_raw --camera=house_raw/CameraModel.xml "
-       "--micro_lens_grid=house_raw/MLA_Calibration.xml --output_dir=out/house"},
+       "prism_lightfield --raw=house_raw --output_dir=out/house"},
       argc,
       argv,
       prism::Run);

@@ -66,6 +66,18 @@ TEST_F(PrismLightfieldTest, RefinesTheGridAndSaysHow) {
   EXPECT_THAT(without_white.output, HasSubstr("refined on the raw frames"));
 }
 
+TEST_F(PrismLightfieldTest, TakesTheCameraOfTheFolder) {
+  const std::string command =
+      "prism_lightfield --raw=" + folder_.string() + " --output_dir=" + Path("out");
+  const ProgramResult result = RunProgram(command);
+  EXPECT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("camera: camera.yaml of the folder"));
+  fs::remove(Path("camera.yaml"));
+  const ProgramResult without = RunProgram(command);
+  EXPECT_EQ(without.exit_status, 2);
+  EXPECT_THAT(without.output, HasSubstr("found neither camera.yaml nor CameraModel.xml"));
+}
+
 TEST_F(PrismLightfieldTest, SaysWhichVersionWroteTheResults) {
   ASSERT_EQ(Run("--threads=0").exit_status, 0);
   const auto json = nlohmann::json::parse(ReadTextFile(Path("out/lightfield.json")));
