@@ -151,7 +151,12 @@ TEST_F(LiveViewAttack, TwoHundredIdleAndSlowClientsHoldUpNeitherPageNorEnd) {
   EXPECT_LT(SecondsToThePage(), 2);
   const Clock::time_point begin = Clock::now();
   live_.reset();
-  EXPECT_LT(SecondsSince(begin), 3) << "2 s and a busy machine";
+#ifdef __SANITIZE_THREAD__  // which slows it down by five to fifteen times
+  constexpr double kLongest = 20;
+#else
+  constexpr double kLongest = 3;  // 2 s and a busy machine
+#endif
+  EXPECT_LT(SecondsSince(begin), kLongest);
 }
 
 }  // namespace
