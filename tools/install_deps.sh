@@ -4,12 +4,12 @@
 #   --with-browser   also Chromium (some 120 MB), which the tests of the report page drive
 #   --with-readers   also COLMAP, @mcap/core, and OpenCV and matplotlib for Python (some 100 MB), which
 #                    the tests of the exports and of the Python module read and plot with
-#   --with-lint      also cppcheck and clang-tidy, for tools/lint.sh
+#   --with-lint      also clang-tidy (some 100 MB), for tools/lint.sh
 # Without the first two some tests are skipped, or read with less.
 set -euo pipefail
 
 packages=(
-  build-essential cmake ninja-build ccache git clang-format
+  build-essential cmake ninja-build ccache git clang-format cppcheck
   libceres-dev libeigen3-dev libopencv-dev libgoogle-glog-dev libgflags-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   libyaml-cpp-dev libpugixml-dev nlohmann-json3-dev
@@ -52,7 +52,7 @@ for option in "$@"; do
         echo "no @mcap/core here: MCAP files will be read with less"
       ;;
     --with-lint)
-      install_missing cppcheck clang-tidy
+      install_missing clang-tidy
       ;;
     *)
       echo "install_deps.sh: found '$option', expected --with-browser, --with-readers, --with-lint" >&2
