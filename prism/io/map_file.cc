@@ -28,6 +28,15 @@ std::string ImageName(int id) {
   return name;
 }
 
+// OpenCV's parser does not come to an end on some tags. The only one written is a matrix's.
+bool HasForeignTags(const std::string& text) {
+  const std::string tag = "!!opencv-matrix";
+  for (size_t at = text.find('!'); at != std::string::npos; at = text.find('!', at + tag.size())) {
+    if (text.compare(at, tag.size(), tag) != 0) return true;
+  }
+  return false;
+}
+
 void WritePlace(const MappedPlace& known, cv::FileStorage* file) {
   const Place& place = known.place;
   cv::Mat points(static_cast<int>(place.points.size()), 4, CV_32F);
@@ -60,7 +69,9 @@ class MapReader {
     }
     const std::string text = ReadTextFile(path_);
     try {
-      file_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+      if (!HasForeignTags(text)) {
+        file_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+      }
     } catch (const std::exception&) {
     }
     std::string format;
