@@ -84,20 +84,21 @@ void DepthOffsetTerm::AddStates(Window* window) const {
 }
 
 void DepthOffsetTerm::AddFactors(const Window& window, WindowGraph* graph) const {
-  const auto block = [&](const char* kind, const Keyframe& keyframe) {
-    return graph->FindBlock(kind, keyframe.id);
-  };
   const Keyframe* before = nullptr;
   for (const auto& keyframe : window.keyframes) {
     if (DepthOffsetBlock(*graph, *keyframe) < 0) continue;  // it came without AddStates
     // Where keyframes between have left, the prior ties what is left of the walk.
     if (options_.has_persistent() && before != nullptr && before->id + 1 == keyframe->id) {
-      AddDifference(
-          {block(kPersistent, *before), block(kPersistent, *keyframe)}, options_.step_sigma, graph);
+      AddDifference({PersistentDepthOffsetBlock(*graph, *before),
+                     PersistentDepthOffsetBlock(*graph, *keyframe)},
+                    options_.step_sigma,
+                    graph);
     }
     if (options_.per_keyframe) {
       std::vector<int> blocks = {DepthOffsetBlock(*graph, *keyframe)};
-      if (options_.has_persistent()) blocks.insert(blocks.begin(), block(kPersistent, *keyframe));
+      if (options_.has_persistent()) {
+        blocks.insert(blocks.begin(), PersistentDepthOffsetBlock(*graph, *keyframe));
+      }
       AddDifference(blocks, window.noise.DepthOffsetSigma(), graph);
     }
     before = keyframe.get();
