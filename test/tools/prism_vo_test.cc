@@ -130,7 +130,7 @@ TEST(PrismVo, TheReportHoldsDepthResidualsScaleAndFusedPoints) {
     // x, y, depth and residual, 4 bytes each.
     const std::string bytes = DecodeBase64(keyframe.value("points", ""));
     std::vector<float> points(bytes.size() / sizeof(float));
-    std::memcpy(points.data(), bytes.data(), bytes.size());
+    if (!bytes.empty()) std::memcpy(points.data(), bytes.data(), bytes.size());
     all += points.size() / 4;
     for (size_t i = 3; i < points.size(); i += 4) fitting += points[i] > 0 && points[i] < 20;
   }
