@@ -13,6 +13,8 @@ namespace prism {
 namespace {
 
 constexpr int kKept = 4;  // frames
+// Others that OpenCV would try have more to say and to leave behind than the error.
+constexpr int kDecoder = cv::CAP_FFMPEG;
 
 }  // namespace
 
@@ -23,10 +25,10 @@ bool IsVideoName(const std::string& path) {
   return std::find(known.begin(), known.end(), extension) != known.end();
 }
 
-VideoFile::VideoFile(const std::string& path) : path_(path), capture_(path) {
+VideoFile::VideoFile(const std::string& path) : path_(path), capture_(path, kDecoder) {
   if (!capture_.isOpened()) {
     throw InputError(path,
-                     "a file that OpenCV does not open as a video",
+                     "a file that FFmpeg does not open as a video",
                      "a video that this machine has a decoder for, or its frames as images");
   }
   const double count = capture_.get(cv::CAP_PROP_FRAME_COUNT);
@@ -44,7 +46,8 @@ cv::Mat VideoFile::Read(int index) {
   if (known != recent_.end()) return known->second;
   // Decoding what lies before is exact, which seeking is not in every file.
   if (index < next_) {
-    if (!capture_.open(path_)) throw InputError(path_, "a video that opens no more", "a video");
+    if (!capture_.open(path_, kDecoder))
+      throw InputError(path_, "a video that opens no more", "a video");
     next_ = 0;
     recent_.clear();
   }
