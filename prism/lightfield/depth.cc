@@ -11,7 +11,6 @@
 #include <tbb/parallel_for.h>
 
 #include "prism/lightfield/defocus_match.h"
-#include "prism/lightfield/depth_fusion.h"
 #include "prism/lightfield/depth_sweep.h"
 #include "prism/lightfield/patch_samples.h"
 
@@ -87,13 +86,12 @@ DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
       lenses_(lenses),
       options_(options),
       seed_width_((width_ + options.seed_spacing - 1) / options.seed_spacing),
-      seed_height_((height_ + options.seed_spacing - 1) / options.seed_spacing) {
+      seed_height_((height_ + options.seed_spacing - 1) / options.seed_spacing),
+      nodes_(width_, height_),
+      fused_(width_, height_) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
   seeds_.resize(static_cast<size_t>(seed_width_) * seed_height_);
-  for (ImageF* nodes : {&node_depth_, &node_sigma_, &fused_depth_, &fused_sigma_}) {
-    *nodes = ImageF(NodesAlong(width_), NodesAlong(height_));
-  }
 }
 
 DepthEstimator::Estimated DepthEstimator::Refine(const PreparedRaw& raw,
@@ -159,6 +157,9 @@ DepthEstimator::Estimated DepthEstimator::Refine(const PreparedRaw& raw,
   result.baseline_squared = 0.5f * baseline_squared;
   result.contrast = hessian / (sums.freedom * noise * noise * result.baseline_squared) *
                     static_cast<float>(count);
+  // Of the virtual image, which the micro lenses show 1/v times as large.
+  result.shift =
+      Eigen::Vector2f(sums.moment_x, sums.moment_y) / (hessian * w * static_cast<float>(scale_));
   return result;
 }
 
@@ -264,7 +265,23 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
     const Estimated other = Refine(raw, raw_px, second->w, 3);
     if (other.w > 0 && (result.w == 0 || other.residual < result.residual)) result = other;
   }
-  return result.w > 0 && Accept(&result) ? result : Estimated();
+  return result.w > 0 && Accept(&result) ? MoveToTexture(raw, raw_px, result) : Estimated();
+}
+
+DepthEstimator::Estimated DepthEstimator::MoveToTexture(const PreparedRaw& raw,
+                                                        const Eigen::Vector2f& raw_px,
+                                                        Estimated estimated) const {
+  constexpr float kNear = 1;  // focused px
+  constexpr int kMostMoves = 2;
+  Eigen::Vector2f shift = estimated.shift;
+  for (int moves = 0; estimated.shift.norm() > kNear; ++moves) {
+    if (moves == kMostMoves || shift.lpNorm<Eigen::Infinity>() >= kNodeSpacing) return {};
+    estimated = Refine(raw, raw_px + static_cast<float>(scale_) * shift, estimated.w, 3);
+    if (estimated.w == 0 || !Accept(&estimated)) return {};
+    shift += estimated.shift;
+  }
+  estimated.shift = shift;
+  return shift.lpNorm<Eigen::Infinity>() < kNodeSpacing ? estimated : Estimated();
 }
 
 void DepthEstimator::Estimate(const PreparedRaw& raw,
@@ -277,15 +294,17 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
     }
   });
   AcceptSeeds();
-  tbb::parallel_for(0, node_depth_.height(), [&](int j) {
-    for (int i = 0; i < node_depth_.width(); ++i) {
+  tbb::parallel_for(0, nodes_.height(), [&](int j) {
+    for (int i = 0; i < nodes_.width(); ++i) {
       const Estimated estimated = RefineFromSeeds(raw, NodePixel(i), NodePixel(j));
-      node_depth_(i, j) = estimated.w;
-      node_sigma_(i, j) = estimated.sigma;
+      nodes_.depth(i, j) = estimated.w;
+      nodes_.sigma(i, j) = estimated.sigma;
+      nodes_.shift_x(i, j) = estimated.shift.x();
+      nodes_.shift_y(i, j) = estimated.shift.y();
     }
   });
-  FuseNeighbours(node_depth_, node_sigma_, &fused_depth_, &fused_sigma_);
-  SpreadNodes(fused_depth_, fused_sigma_, inverse_virtual_depth, sigma);
+  FuseNeighbours(nodes_, &fused_);
+  SpreadNodes(fused_, inverse_virtual_depth, sigma);
 }
 
 }  // namespace prism

@@ -9,6 +9,7 @@
 
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/image/image.h"
+#include "prism/lightfield/depth_fusion.h"
 #include "prism/lightfield/lens_table.h"
 #include "prism/lightfield/match_misfit.h"
 #include "prism/lightfield/preparation.h"
@@ -52,7 +53,10 @@ struct DepthOptions {
 //    minima are dropped. From what is left over at all of them follows how well lenses can match in
 //    this frame (FitMisfit); seeds and all later estimates that match much worse are dropped.
 // 2. Nodes, every fourth pixel (depth_fusion.h), near seeds start from the mean of those that agree
-//    and are refined with lenses and mask held fixed.
+//    and are refined with lenses and mask held fixed. Beside a contour that is the contour's depth,
+//    up to a patch away from it: a node is moved to where the texture lies it is measured on, the
+//    mean place of the hessian's terms, and refined there; one that would leave its surroundings is
+//    dropped.
 // 3. Nodes that a third of their neighbours contradict are dropped; the others become the mean of
 //    the neighbours that agree, and the pixels between them are interpolated. Neighbours share raw
 //    pixels, so sigma is the mean of theirs, as if their errors were the same.
@@ -80,10 +84,11 @@ class DepthEstimator {
   struct Estimated {
     float w = 0;  // 0: none
     float sigma = 0;
-    float residual = 0;          // mean squared, relative to the noise
-    float contrast = 0;          // MatchSample::contrast
-    float noise_variance = 0;    // of w, by the noise of the residual
-    float baseline_squared = 0;  // sum over the lenses, along the gradient, px^2
+    float residual = 0;              // mean squared, relative to the noise
+    float contrast = 0;              // MatchSample::contrast
+    float noise_variance = 0;        // of w, by the noise of the residual
+    float baseline_squared = 0;      // sum over the lenses, along the gradient, px^2
+    Eigen::Vector2f shift = {0, 0};  // from the position to its texture, focused px
   };
 
   // Whether a match is as good as the frame's misfit allows, and certain enough; sets its sigma.
@@ -98,6 +103,11 @@ class DepthEstimator {
                    float w,
                    int iterations) const;
   Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
+  // Refines it where its texture lies; its shift is then from raw_px. Nothing if that is nearer to
+  // another node.
+  Estimated MoveToTexture(const PreparedRaw& raw,
+                          const Eigen::Vector2f& raw_px,
+                          Estimated estimated) const;
 
   int width_, height_, scale_;
   const LensTable& lenses_;
@@ -106,8 +116,8 @@ class DepthEstimator {
   MatchMisfit misfit_;
   std::vector<Estimated> seeds_;  // one a cell
   int seed_width_ = 0, seed_height_ = 0;
-  ImageF node_depth_, node_sigma_;    // before step 3
-  ImageF fused_depth_, fused_sigma_;  // after it
+  DepthNodes nodes_;  // before step 3
+  DepthNodes fused_;  // after it
 };
 
 }  // namespace prism

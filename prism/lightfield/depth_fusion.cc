@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <tbb/parallel_for.h>
 
@@ -14,29 +15,49 @@ bool Agree(float w, float sigma, float other_w, float other_sigma) {
   return std::abs(w - other_w) < 2 * (sigma + other_sigma);
 }
 
-// The pixel between two nodes along one axis: the first of them and the share of the second.
-struct Between {
-  int node;
-  float share;
-};
+// How far from its place a node's estimate is spread, in x and in y.
+constexpr float kReach = 1.5f * kNodeSpacing;  // px
 
-Between BetweenNodes(int pixel) {
-  const int node = (pixel + kNodeSpacing - kNodeSpacing / 2) / kNodeSpacing - 1;
-  return {node, static_cast<float>(pixel - NodePixel(node)) / kNodeSpacing};
+// Calls visit(x, w, sigma, weight) for every pixel x of row y that a node reaches.
+template <typename Visit>
+void ForEachInRow(const DepthNodes& nodes, int y, int width, const Visit& visit) {
+  // Places are less than a spacing from the nodes' pixels.
+  const int first = std::max(y / kNodeSpacing - 3, 0);
+  const int last = std::min(y / kNodeSpacing + 3, nodes.height() - 1);
+  for (int j = first; j <= last; ++j) {
+    for (int i = 0; i < nodes.width(); ++i) {
+      const float w = nodes.depth(i, j);
+      if (w == 0) continue;
+      const float v = static_cast<float>(NodePixel(j) - y) + nodes.shift_y(i, j);
+      if (std::abs(v) >= kReach) continue;
+      const float center = static_cast<float>(NodePixel(i)) + nodes.shift_x(i, j);
+      const int begin = std::max(static_cast<int>(std::floor(center - kReach)) + 1, 0);
+      const int end = std::min(static_cast<int>(std::ceil(center + kReach)), width);
+      for (int x = begin; x < end; ++x) {
+        const float u = center - static_cast<float>(x);
+        visit(x, w, nodes.sigma(i, j), (1 - std::abs(u) / kReach) * (1 - std::abs(v) / kReach));
+      }
+    }
+  }
 }
 
 }  // namespace
 
-void FuseNeighbours(const ImageF& nodes,
-                    const ImageF& node_sigmas,
-                    ImageF* fused,
-                    ImageF* fused_sigmas) {
+DepthNodes::DepthNodes(int image_width, int image_height)
+    : depth(NodesAlong(image_width), NodesAlong(image_height), 0),
+      sigma(depth),
+      shift_x(depth),
+      shift_y(depth) {}
+
+void FuseNeighbours(const DepthNodes& nodes, DepthNodes* fused) {
   constexpr float kSpacingSquared = kNodeSpacing * kNodeSpacing;
   tbb::parallel_for(0, nodes.height(), [&](int y) {
     for (int x = 0; x < nodes.width(); ++x) {
-      const float w = nodes(x, y);
-      (*fused)(x, y) = 0;
-      (*fused_sigmas)(x, y) = 0;
+      const float w = nodes.depth(x, y);
+      fused->depth(x, y) = 0;
+      fused->sigma(x, y) = 0;
+      fused->shift_x(x, y) = nodes.shift_x(x, y);
+      fused->shift_y(x, y) = nodes.shift_y(x, y);
       if (w == 0) continue;
       int agree = 0;
       int disagree = 0;
@@ -45,10 +66,10 @@ void FuseNeighbours(const ImageF& nodes,
       float weight = 0;
       for (int v = std::max(y - 1, 0); v <= std::min(y + 1, nodes.height() - 1); ++v) {
         for (int u = std::max(x - 1, 0); u <= std::min(x + 1, nodes.width() - 1); ++u) {
-          const float other = nodes(u, v);
+          const float other = nodes.depth(u, v);
           if (other == 0) continue;
-          const float sigma = node_sigmas(u, v);
-          if (!Agree(other, sigma, w, node_sigmas(x, y))) {
+          const float sigma = nodes.sigma(u, v);
+          if (!Agree(other, sigma, w, nodes.sigma(x, y))) {
             ++disagree;
             continue;
           }
@@ -61,55 +82,39 @@ void FuseNeighbours(const ImageF& nodes,
         }
       }
       if (agree < 2 || 2 * disagree > agree) continue;
-      (*fused)(x, y) = sum / weight;
-      (*fused_sigmas)(x, y) = sigma_sum / weight;
+      fused->depth(x, y) = sum / weight;
+      fused->sigma(x, y) = sigma_sum / weight;
     }
   });
 }
 
-void SpreadNodes(const ImageF& nodes, const ImageF& node_sigmas, ImageF* depth, ImageF* sigmas) {
-  constexpr float kLeastShare = 0.26f;  // more than that of a node 3/4 of the way to the next
-  struct Node {
-    float w, sigma;
-    int right, below;  // of the four around
-  };
+void SpreadNodes(const DepthNodes& nodes, ImageF* depth, ImageF* sigmas) {
+  constexpr float kLeastWeight = 0.26f;  // of one node in its place
   tbb::parallel_for(0, depth->height(), [&](int y) {
-    const Between v = BetweenNodes(y);
-    std::fill_n(depth->row(y), depth->width(), 0.0f);
-    std::fill_n(sigmas->row(y), depth->width(), 0.0f);
-    // Between two columns of nodes at a time: most have none.
-    for (int left = BetweenNodes(0).node; NodePixel(left) < depth->width(); ++left) {
-      Node around[4];
-      int known = 0;
-      for (int k = 0; k < 4; ++k) {
-        const int i = left + k % 2;
-        const int j = v.node + k / 2;
-        if (!nodes.view().Contains(i, j, 0) || nodes(i, j) == 0) continue;
-        around[known++] = {nodes(i, j), node_sigmas(i, j), k % 2, k / 2};
-      }
-      if (known == 0) continue;
-      const int end = std::min(NodePixel(left + 1), depth->width());
-      for (int x = std::max(NodePixel(left), 0); x < end; ++x) {
-        const Between u = BetweenNodes(x);
-        float share[4];
-        const Node* best = nullptr;
-        for (int k = 0; k < known; ++k) {
-          share[k] = (around[k].right == 0 ? 1 - u.share : u.share) *
-                     (around[k].below == 0 ? 1 - v.share : v.share);
-          if (share[k] > 0 && (!best || around[k].sigma < best->sigma)) best = &around[k];
-        }
-        if (!best) continue;
-        float sum = 0, variance = 0, total = 0;
-        for (int k = 0; k < known; ++k) {
-          if (!Agree(around[k].w, around[k].sigma, best->w, best->sigma)) continue;
-          sum += share[k] * around[k].w;
-          variance += share[k] * around[k].sigma * around[k].sigma;
-          total += share[k];
-        }
-        if (total < kLeastShare) continue;
-        (*depth)(x, y) = sum / total;
-        (*sigmas)(x, y) = std::sqrt(variance / total);
-      }
+    const int width = depth->width();
+    float* w_row = depth->row(y);
+    float* sigma_row = sigmas->row(y);
+    std::fill_n(w_row, width, 0.0f);
+    std::fill_n(sigma_row, width, 0.0f);
+    ForEachInRow(nodes, y, width, [&](int x, float w, float sigma, float) {
+      if (w_row[x] != 0 && sigma_row[x] <= sigma) return;
+      w_row[x] = w;
+      sigma_row[x] = sigma;
+    });
+    struct Sum {
+      float w = 0, variance = 0, weight = 0;
+    };
+    std::vector<Sum> sums(width);
+    ForEachInRow(nodes, y, width, [&](int x, float w, float sigma, float weight) {
+      if (!Agree(w, sigma, w_row[x], sigma_row[x])) return;
+      sums[x].w += weight * w;
+      sums[x].variance += weight * sigma * sigma;
+      sums[x].weight += weight;
+    });
+    for (int x = 0; x < width; ++x) {
+      const bool is_known = sums[x].weight >= kLeastWeight;
+      w_row[x] = is_known ? sums[x].w / sums[x].weight : 0;
+      sigma_row[x] = is_known ? std::sqrt(sums[x].variance / sums[x].weight) : 0;
     }
   });
 }

@@ -7,25 +7,37 @@
 namespace prism {
 
 // The last steps of DepthEstimator. It estimates 1/v at nodes, every fourth pixel in x and in y:
-// neighbours nearer than that look at almost the same raw pixels. Images of 1/v and of its standard
-// deviation, 0 = no estimate. Two estimates agree within twice the sum of their standard
-// deviations. Deterministic, independent of threads.
+// neighbours nearer than that look at almost the same raw pixels. Two estimates agree within twice
+// the sum of their standard deviations. Deterministic, independent of threads.
 
 inline constexpr int kNodeSpacing = 4;  // px
 // The pixel of a node, and the nodes along `size` pixels.
 inline int NodePixel(int node) { return kNodeSpacing * node + kNodeSpacing / 2; }
 inline int NodesAlong(int size) { return (size - NodePixel(0) - 1) / kNodeSpacing + 1; }
 
-// The mean of a node and those around it that agree, weighted by information and nearness; its
-// sigma is the mean of theirs, as if their errors were the same. Nothing where no other agrees or a
-// third contradict. `fused` and `fused_sigmas` have the size of the others.
-void FuseNeighbours(const ImageF& nodes,
-                    const ImageF& node_sigmas,
-                    ImageF* fused,
-                    ImageF* fused_sigmas);
+// 1/v of every node, 0 = no estimate, its standard deviation, and how far from the node's pixel the
+// texture lies that it was measured on, focused px. An estimate is that of the place of its
+// texture: beside the contour of a near thing it is the contour's.
+struct DepthNodes {
+  ImageF depth, sigma, shift_x, shift_y;
 
-// Pixels between nodes: interpolated between those that agree with the most certain one of the four
-// around, if they have most of the weight.
-void SpreadNodes(const ImageF& nodes, const ImageF& node_sigmas, ImageF* depth, ImageF* sigmas);
+  DepthNodes() = default;
+  // No estimates, for focused images of this size.
+  DepthNodes(int image_width, int image_height);
+
+  int width() const { return depth.width(); }
+  int height() const { return depth.height(); }
+};
+
+// The mean of a node and those around it that agree, weighted by information and nearness; its
+// sigma is the mean of theirs, as if their errors were the same, and it stays in its place. Nothing
+// where no other agrees or a third contradict. `fused` has the size of `nodes`.
+void FuseNeighbours(const DepthNodes& nodes, DepthNodes* fused);
+
+// Pixels around the places of nodes: the mean of the nodes within 6 px in x and in y that agree
+// with the most certain of them, with weights that fall linearly with the distance in x and in y,
+// if they have weight enough: what a lone node says reaches 4 px along an axis and 2 along the
+// diagonal.
+void SpreadNodes(const DepthNodes& nodes, ImageF* depth, ImageF* sigmas);
 
 }  // namespace prism

@@ -40,10 +40,11 @@ PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
   using V = hn::Vec<decltype(d)>;
   const V zero = hn::Zero(d);
   const V one = hn::Set(d, 1.0f);
-  float cost = 0, gradient = 0, hessian = 0, freedom = 0;
+  float cost = 0, gradient = 0, hessian = 0, freedom = 0, moment_x = 0, moment_y = 0;
   // One pass on vectors of 8 lanes, two on vectors of 4.
   for (size_t lane = 0; lane < kPatchLanes; lane += hn::Lanes(d)) {
     V cost_sum = zero, gradient_sum = zero, hessian_sum = zero, freedom_sum = zero;
+    V moment_y_sum = zero;
     const V column_weight = hn::Load(d, kPatchWeights + lane);
     for (int row = 0; row < kRows; ++row) {
       V sum_q = zero, sum_i = zero, sum_g = zero;
@@ -92,7 +93,10 @@ PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
       if (kDerivatives) {
         const V mean_g = hn::Mul(sum_g, inverse_q);
         gradient_sum = hn::MulAdd(weight, hn::NegMulAdd(mean_g, sum_i, sum_gi), gradient_sum);
-        hessian_sum = hn::MulAdd(weight, hn::NegMulAdd(mean_g, sum_g, sum_gg), hessian_sum);
+        const V row_hessian = hn::Mul(weight, hn::NegMulAdd(mean_g, sum_g, sum_gg));
+        hessian_sum = hn::Add(hessian_sum, row_hessian);
+        moment_y_sum = hn::MulAdd(
+            row_hessian, hn::Set(d, static_cast<float>(row - kPatchRadius)), moment_y_sum);
       }
     }
     cost += hn::GetLane(hn::SumOfLanes(d, cost_sum));
@@ -100,9 +104,12 @@ PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
     if (kDerivatives) {
       gradient += hn::GetLane(hn::SumOfLanes(d, gradient_sum));
       hessian += hn::GetLane(hn::SumOfLanes(d, hessian_sum));
+      const V column = hn::Iota(d, static_cast<float>(lane) - static_cast<float>(kPatchRadius));
+      moment_x += hn::GetLane(hn::SumOfLanes(d, hn::Mul(column, hessian_sum)));
+      moment_y += hn::GetLane(hn::SumOfLanes(d, moment_y_sum));
     }
   }
-  return {cost, gradient, hessian, freedom};
+  return {cost, gradient, hessian, freedom, moment_x, moment_y};
 }
 
 PatchSums SumCoarsePatchCostsImpl(const CoarseSample* samples, int count, std::ptrdiff_t stride) {
@@ -141,7 +148,7 @@ PatchSums SumCoarsePatchCostsImpl(const CoarseSample* samples, int count, std::p
     freedom += hn::GetLane(hn::SumOfLanes(d, hn::Mul(column_weight, freedom_sum)));
   }
   constexpr float kShare = CoarseRowsShare();
-  return {kShare * cost, 0, 0, kShare * freedom};
+  return {kShare * cost, 0, 0, kShare * freedom, 0, 0};
 }
 
 PatchSums SumPatchesImpl(const PatchSample* samples, int count, std::ptrdiff_t stride) {
@@ -176,7 +183,7 @@ PatchSums SumCoarsePatchCosts(const CoarseSample* samples, int count, std::ptrdi
 }
 
 PatchSums SumPatchesReference(const PatchSample* samples, int count, std::ptrdiff_t stride) {
-  double cost = 0, gradient = 0, hessian = 0, freedom = 0;
+  double cost = 0, gradient = 0, hessian = 0, freedom = 0, moment_x = 0, moment_y = 0;
   for (int row = 0; row <= 2 * kPatchRadius; ++row) {
     for (int column = 0; column <= 2 * kPatchRadius; ++column) {
       double sum_q = 0, sum_i = 0, sum_g = 0, sum_ii = 0, sum_gi = 0, sum_gg = 0;
@@ -206,14 +213,19 @@ PatchSums SumPatchesReference(const PatchSample* samples, int count, std::ptrdif
       const double weight = kPatchWeights[row] * kPatchWeights[column];
       cost += weight * (sum_ii - sum_i * sum_i / sum_q);
       gradient += weight * (sum_gi - sum_g * sum_i / sum_q);
-      hessian += weight * (sum_gg - sum_g * sum_g / sum_q);
+      const double term = weight * (sum_gg - sum_g * sum_g / sum_q);
+      hessian += term;
+      moment_x += term * (column - kPatchRadius);
+      moment_y += term * (row - kPatchRadius);
       freedom += weight * (sum_q - 1);
     }
   }
   return {static_cast<float>(cost),
           static_cast<float>(gradient),
           static_cast<float>(hessian),
-          static_cast<float>(freedom)};
+          static_cast<float>(freedom),
+          static_cast<float>(moment_x),
+          static_cast<float>(moment_y)};
 }
 
 }  // namespace prism

@@ -31,20 +31,23 @@ struct PatchSample {
 // I_ks, derivative g_ks = dI_ks / d(1/v), means over the lenses I_s and g_s:
 //   cost     = sum p (I - I_s)^2     gradient = sum p (g - g_s)(I - I_s)
 //   hessian  = sum p (g - g_s)^2     freedom  = sum_s p_s (n_s - 1), n_s > 0
-// minimised over 1/v by the step -gradient / hessian. A common brightness change of the patch
-// cancels only between lenses, not within; each sample has its own mean.
+// and the sums of hessian's terms times their distance in x and in y from the patch's centre, px:
+// over hessian, where in the patch the texture lies. The cost is minimised over 1/v by the step
+// -gradient / hessian. A common brightness change of the patch cancels only between lenses, not
+// within; each sample has its own mean.
 struct PatchSums {
   float cost;
   float gradient;
   float hessian;
   float freedom;
+  float moment_x, moment_y;
 };
 
 // Vectorised, best instruction set at run time. Precondition: every row of every patch has
 // kPatchLanes + 1 readable pixels, and there are 2 * kPatchRadius + 2 rows.
 PatchSums SumPatches(const PatchSample* samples, int count, std::ptrdiff_t stride);
 
-// The same without gradient and hessian, which are 0.
+// The same without gradient, hessian and its moments, which are 0.
 PatchSums SumPatchCosts(const PatchSample* samples, int count, std::ptrdiff_t stride);
 
 // One lens' sight of a patch at the nearest half pixel.

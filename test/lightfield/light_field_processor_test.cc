@@ -89,6 +89,38 @@ TEST(Processor, FarWeakTextureIsMeasuredWithoutBias) {
   }
 }
 
+// A bright board with an upright edge before a wall with little texture: beside the edge the
+// patches see nothing as well as the edge, whose depth is the board's.
+TEST(Processor, BesideAnEdgeTheWallIsNotTakenForTheBoard) {
+  const PlenopticCamera camera = SmallCamera(480);
+  constexpr double kNear = 0.39, kFar = 0.41;
+  const auto wall = [](double X, double Y) { return 80 + 0.2 * (WavyTexture(X, Y) - 120); };
+  const auto board = [](double X, double Y) { return WavyTexture(X, Y) + 60; };
+  const double edge = 240;  // virtual raw px
+  cv::Mat raw = RenderPlane(camera, kFar, wall, 1.5, true);
+  const cv::Mat near = RenderPlane(camera, kNear, board, 1.5, true);
+  RenderPlane(camera, kNear, [&](double X, double) {
+    return X < edge ? 255 : 0;
+  }).forEach<uint8_t>([&](uint8_t is_board, const int* at) {
+    if (is_board != 0) raw.at<uint8_t>(at) = near.at<uint8_t>(at);
+  });
+  LightFieldProcessor processor(camera, White(camera), {});
+  const LightFieldFrame frame = processor.Process(Frame(raw));
+  std::vector<double> beside;
+  int on_edge = 0;
+  const int edge_px = static_cast<int>(edge / camera.focused_scale);
+  for (int y = 20; y < 220; ++y) {
+    for (int x = edge_px + 4; x < edge_px + 14; ++x) {
+      if (frame.sigma(x, y) > 0) beside.push_back(frame.inverse_virtual_depth(x, y));
+    }
+    on_edge += frame.sigma(edge_px, y) > 0;
+  }
+  std::sort(beside.begin(), beside.end());
+  ASSERT_GT(beside.size(), 200u);
+  EXPECT_NEAR(beside[beside.size() / 2], kFar, 0.0015);
+  EXPECT_GT(on_edge, 80);
+}
+
 LightFieldOptions WithThreadCount(int threads) {
   LightFieldOptions options;
   options.threads = threads;

@@ -47,6 +47,8 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
     EXPECT_NEAR(sums.hessian, reference.hessian, 1e-4 * reference.hessian);
     EXPECT_NEAR(sums.gradient, reference.gradient, 1e-4 * reference.hessian);
     EXPECT_NEAR(sums.freedom, reference.freedom, 1e-4 * reference.freedom);
+    EXPECT_NEAR(sums.moment_x, reference.moment_x, 1e-4 * reference.hessian);
+    EXPECT_NEAR(sums.moment_y, reference.moment_y, 1e-4 * reference.hessian);
     const PatchSums costs = SumPatchCosts(samples.data(), count, kStride);
     EXPECT_FLOAT_EQ(costs.cost, sums.cost);
     EXPECT_FLOAT_EQ(costs.freedom, sums.freedom);
