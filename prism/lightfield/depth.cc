@@ -157,9 +157,8 @@ DepthEstimator::Estimated DepthEstimator::Refine(const PreparedRaw& raw,
   result.baseline_squared = 0.5f * baseline_squared;
   result.contrast = hessian / (sums.freedom * noise * noise * result.baseline_squared) *
                     static_cast<float>(count);
-  // Of the virtual image, which the micro lenses show 1/v times as large.
-  result.shift =
-      Eigen::Vector2f(sums.moment_x, sums.moment_y) / (hessian * w * static_cast<float>(scale_));
+  result.shift = Eigen::Vector2f(sums.moment_x, sums.moment_y) /
+                 (hessian * lenses_.Magnification(w) * static_cast<float>(scale_));
   return result;
 }
 
