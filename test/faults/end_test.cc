@@ -29,11 +29,13 @@ nlohmann::json ReadRun(const std::string& output) {
 // OUTPUT.log.
 class LongRun {
  public:
-  LongRun(const std::string& sequence, const std::string& output) : child_(fork()) {
+  LongRun(const std::string& sequence,
+          const std::string& output,
+          const std::string& flags = "--ping_pong=1000")
+      : child_(fork()) {
     if (child_ != 0) return;
-    const std::string command = "exec " PRISM_BIN_DIR "/" +
-                                CommandFor(sequence, output, "--ping_pong=1000") + " > '" + output +
-                                ".log' 2>&1";
+    const std::string command = "exec " PRISM_BIN_DIR "/" + CommandFor(sequence, output, flags) +
+                                " > '" + output + ".log' 2>&1";
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
@@ -92,6 +94,28 @@ TEST_P(EndsBySignal, WithAllWrittenAndMarked) {
     EXPECT_TRUE(fs::exists(output_ + "/" + name)) << name;
   }
   EXPECT_THAT(ReadTextFile(output_ + ".log"), HasSubstr("interrupted by SIG"));
+}
+
+TEST_P(EndsBySignal, BeforeTheRunLeaveTheFolderAsItWas) {
+  fs::create_directories(output_);
+  WriteFile(output_ + "/trajectory.txt", "old");
+  const std::string pipe = sequence_ + "/never_written";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  LongRun long_run(sequence_, output_, "--groundtruth=" + pipe);
+  // It waits for the ground truth as soon as somebody could write it.
+  int writer = -1;
+  for (const auto end = Clock::now() + std::chrono::seconds(60);
+       writer < 0 && Clock::now() < end;) {
+    writer = open(pipe.c_str(), O_WRONLY | O_NONBLOCK);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  ASSERT_GE(writer, 0);
+  const int status = long_run.End(GetParam());
+  close(writer);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), GetParam());
+  EXPECT_EQ(ReadTextFile(output_ + "/trajectory.txt"), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(output_), fs::directory_iterator()), 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, EndsBySignal, testing::Values(SIGINT, SIGTERM, SIGHUP));
