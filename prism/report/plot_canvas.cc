@@ -103,6 +103,8 @@ PlotCanvas::PlotCanvas(int width, int height) {
 
 PlotCanvas::~PlotCanvas() {
   cairo_destroy(drawing_->context);
+  // Cairo 1.16 never lets go of what was painted on an SVG surface; this frees what is in it.
+  cairo_surface_finish(drawing_->recording);
   cairo_surface_destroy(drawing_->recording);
 }
 

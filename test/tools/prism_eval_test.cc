@@ -154,12 +154,17 @@ TEST_F(PrismEvalTest, QuaternionsNearUnitAreNormalisedWithAWarning) {
 TEST_F(PrismEvalTest, EvaluatesAndPlotsAHundredThousandPosesInFourSeconds) {
   const std::string truth = Write("truth.txt", Circle(100000, 1.0));
   const std::string estimate = Write("estimate.txt", Circle(100000, 0.97));
+#ifdef __SANITIZE_ADDRESS__  // which slows it down
+  constexpr double kMost_s = 20;
+#else
+  constexpr double kMost_s = 4;
+#endif
   const double before_s = ChildrenSeconds();
   const ProgramResult run =
       RunProgram("prism_eval --groundtruth=" + truth + " --estimate=" + estimate +
                  " --json=" + Path("m.json") + " --plot_dir=" + Path("plots"));
   EXPECT_EQ(run.exit_status, 0) << run.output;
-  EXPECT_LT(ChildrenSeconds() - before_s, 4.0);
+  EXPECT_LT(ChildrenSeconds() - before_s, kMost_s);
 }
 
 }  // namespace
