@@ -270,17 +270,29 @@ DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw
 DepthEstimator::Estimated DepthEstimator::MoveToTexture(const PreparedRaw& raw,
                                                         const Eigen::Vector2f& raw_px,
                                                         Estimated estimated) const {
-  constexpr float kNear = 1;  // focused px
+  // Of a shift, in the micro images.
+  constexpr float kNear = 0.4f * kPatchSigma;
+  constexpr float kFar = 1.6f * kPatchSigma;
   constexpr int kMostMoves = 2;
+  const float scale = static_cast<float>(scale_);
+  const float raw_px_of_focused = scale * estimated.w;
   Eigen::Vector2f shift = estimated.shift;
-  for (int moves = 0; estimated.shift.norm() > kNear; ++moves) {
-    if (moves == kMostMoves || shift.lpNorm<Eigen::Infinity>() >= kNodeSpacing) return {};
-    estimated = Refine(raw, raw_px + static_cast<float>(scale_) * shift, estimated.w, 3);
+  for (int moves = 0; raw_px_of_focused * estimated.shift.norm() > kNear; ++moves) {
+    if (moves == kMostMoves || raw_px_of_focused * shift.norm() > kFar) return {};
+    estimated = Refine(raw, raw_px + scale * shift, estimated.w, 3);
     if (estimated.w == 0 || !Accept(&estimated)) return {};
     shift += estimated.shift;
   }
+  if (raw_px_of_focused * shift.norm() > kFar) return {};
   estimated.shift = shift;
-  return shift.lpNorm<Eigen::Infinity>() < kNodeSpacing ? estimated : Estimated();
+  return estimated;
+}
+
+float DepthEstimator::Reach(float w) const {
+  constexpr float kSigmas = 2.4f;          // of a patch
+  constexpr float kLeast = 6, kMost = 10;  // focused px
+  if (w == 0) return 0;
+  return std::clamp(kSigmas * kPatchSigma / (w * static_cast<float>(scale_)), kLeast, kMost);
 }
 
 void DepthEstimator::Estimate(const PreparedRaw& raw,
@@ -300,6 +312,7 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
       nodes_.sigma(i, j) = estimated.sigma;
       nodes_.shift_x(i, j) = estimated.shift.x();
       nodes_.shift_y(i, j) = estimated.shift.y();
+      nodes_.reach(i, j) = Reach(estimated.w);
     }
   });
   FuseNeighbours(nodes_, &fused_);

@@ -55,7 +55,7 @@ struct DepthOptions {
 // 2. Nodes, every fourth pixel (depth_fusion.h), near seeds start from the mean of those that agree
 //    and are refined with lenses and mask held fixed. Beside a contour that is the contour's depth,
 //    up to a patch away from it: a node is moved to where the texture lies it is measured on, the
-//    mean place of the hessian's terms, and refined there; one that would leave its surroundings is
+//    mean place of the hessian's terms, and refined there; one that would leave its patch is
 //    dropped.
 // 3. Nodes that a third of their neighbours contradict are dropped; the others become the mean of
 //    the neighbours that agree, and the pixels between them are interpolated. Neighbours share raw
@@ -103,11 +103,12 @@ class DepthEstimator {
                    float w,
                    int iterations) const;
   Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
-  // Refines it where its texture lies; its shift is then from raw_px. Nothing if that is nearer to
-  // another node.
+  // Refines it where its texture lies; its shift is then from raw_px. Nothing if that is outside of
+  // the patch.
   Estimated MoveToTexture(const PreparedRaw& raw,
                           const Eigen::Vector2f& raw_px,
                           Estimated estimated) const;
+  float Reach(float w) const;  // DepthNodes
 
   int width_, height_, scale_;
   const LensTable& lenses_;

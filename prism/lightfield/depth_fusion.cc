@@ -15,27 +15,34 @@ bool Agree(float w, float sigma, float other_w, float other_sigma) {
   return std::abs(w - other_w) < 2 * (sigma + other_sigma);
 }
 
-// How far from its place a node's estimate is spread, in x and in y.
-constexpr float kReach = 1.5f * kNodeSpacing;  // px
+// Rows of nodes, up or down, from a row of pixels to the last that may reach it.
+int RowsToReach(const DepthNodes& nodes) {
+  float farthest = 0;
+  for (size_t i = 0; i < nodes.depth.size(); ++i) {
+    if (nodes.depth.data()[i] == 0) continue;
+    farthest = std::max(farthest, std::abs(nodes.shift_y.data()[i]) + nodes.reach.data()[i]);
+  }
+  return static_cast<int>(farthest / kNodeSpacing) + 1;
+}
 
 // Calls visit(x, w, sigma, weight) for every pixel x of row y that a node reaches.
 template <typename Visit>
-void ForEachInRow(const DepthNodes& nodes, int y, int width, const Visit& visit) {
-  // Places are less than a spacing from the nodes' pixels.
-  const int first = std::max(y / kNodeSpacing - 3, 0);
-  const int last = std::min(y / kNodeSpacing + 3, nodes.height() - 1);
+void ForEachInRow(const DepthNodes& nodes, int rows, int y, int width, const Visit& visit) {
+  const int first = std::max(y / kNodeSpacing - rows, 0);
+  const int last = std::min(y / kNodeSpacing + rows, nodes.height() - 1);
   for (int j = first; j <= last; ++j) {
     for (int i = 0; i < nodes.width(); ++i) {
       const float w = nodes.depth(i, j);
       if (w == 0) continue;
+      const float reach = nodes.reach(i, j);
       const float v = static_cast<float>(NodePixel(j) - y) + nodes.shift_y(i, j);
-      if (std::abs(v) >= kReach) continue;
+      if (std::abs(v) >= reach) continue;
       const float center = static_cast<float>(NodePixel(i)) + nodes.shift_x(i, j);
-      const int begin = std::max(static_cast<int>(std::floor(center - kReach)) + 1, 0);
-      const int end = std::min(static_cast<int>(std::ceil(center + kReach)), width);
+      const int begin = std::max(static_cast<int>(std::floor(center - reach)) + 1, 0);
+      const int end = std::min(static_cast<int>(std::ceil(center + reach)), width);
       for (int x = begin; x < end; ++x) {
         const float u = center - static_cast<float>(x);
-        visit(x, w, nodes.sigma(i, j), (1 - std::abs(u) / kReach) * (1 - std::abs(v) / kReach));
+        visit(x, w, nodes.sigma(i, j), (1 - std::abs(u) / reach) * (1 - std::abs(v) / reach));
       }
     }
   }
@@ -47,7 +54,8 @@ DepthNodes::DepthNodes(int image_width, int image_height)
     : depth(NodesAlong(image_width), NodesAlong(image_height), 0),
       sigma(depth),
       shift_x(depth),
-      shift_y(depth) {}
+      shift_y(depth),
+      reach(depth) {}
 
 void FuseNeighbours(const DepthNodes& nodes, DepthNodes* fused) {
   constexpr float kSpacingSquared = kNodeSpacing * kNodeSpacing;
@@ -58,6 +66,7 @@ void FuseNeighbours(const DepthNodes& nodes, DepthNodes* fused) {
       fused->sigma(x, y) = 0;
       fused->shift_x(x, y) = nodes.shift_x(x, y);
       fused->shift_y(x, y) = nodes.shift_y(x, y);
+      fused->reach(x, y) = nodes.reach(x, y);
       if (w == 0) continue;
       int agree = 0;
       int disagree = 0;
@@ -90,13 +99,14 @@ void FuseNeighbours(const DepthNodes& nodes, DepthNodes* fused) {
 
 void SpreadNodes(const DepthNodes& nodes, ImageF* depth, ImageF* sigmas) {
   constexpr float kLeastWeight = 0.26f;  // of one node in its place
+  const int rows = RowsToReach(nodes);
   tbb::parallel_for(0, depth->height(), [&](int y) {
     const int width = depth->width();
     float* w_row = depth->row(y);
     float* sigma_row = sigmas->row(y);
     std::fill_n(w_row, width, 0.0f);
     std::fill_n(sigma_row, width, 0.0f);
-    ForEachInRow(nodes, y, width, [&](int x, float w, float sigma, float) {
+    ForEachInRow(nodes, rows, y, width, [&](int x, float w, float sigma, float) {
       if (w_row[x] != 0 && sigma_row[x] <= sigma) return;
       w_row[x] = w;
       sigma_row[x] = sigma;
@@ -105,7 +115,7 @@ void SpreadNodes(const DepthNodes& nodes, ImageF* depth, ImageF* sigmas) {
       float w = 0, variance = 0, weight = 0;
     };
     std::vector<Sum> sums(width);
-    ForEachInRow(nodes, y, width, [&](int x, float w, float sigma, float weight) {
+    ForEachInRow(nodes, rows, y, width, [&](int x, float w, float sigma, float weight) {
       if (!Agree(w, sigma, w_row[x], sigma_row[x])) return;
       sums[x].w += weight * w;
       sums[x].variance += weight * sigma * sigma;

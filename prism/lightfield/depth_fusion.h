@@ -15,11 +15,12 @@ inline constexpr int kNodeSpacing = 4;  // px
 inline int NodePixel(int node) { return kNodeSpacing * node + kNodeSpacing / 2; }
 inline int NodesAlong(int size) { return (size - NodePixel(0) - 1) / kNodeSpacing + 1; }
 
-// 1/v of every node, 0 = no estimate, its standard deviation, and how far from the node's pixel the
-// texture lies that it was measured on, focused px. An estimate is that of the place of its
-// texture: beside the contour of a near thing it is the contour's.
+// 1/v of every node, 0 = no estimate, its standard deviation, how far from the node's pixel the
+// texture lies that it was measured on, and how far from that place it is spread, focused px. An
+// estimate is that of the place of its texture: beside the contour of a near thing it is the
+// contour's.
 struct DepthNodes {
-  ImageF depth, sigma, shift_x, shift_y;
+  ImageF depth, sigma, shift_x, shift_y, reach;
 
   DepthNodes() = default;
   // No estimates, for focused images of this size.
@@ -34,10 +35,10 @@ struct DepthNodes {
 // where no other agrees or a third contradict. `fused` has the size of `nodes`.
 void FuseNeighbours(const DepthNodes& nodes, DepthNodes* fused);
 
-// Pixels around the places of nodes: the mean of the nodes within 6 px in x and in y that agree
-// with the most certain of them, with weights that fall linearly with the distance in x and in y,
-// if they have weight enough: what a lone node says reaches 4 px along an axis and 2 along the
-// diagonal.
+// Pixels around the places of nodes: the mean of the nodes that reach them in x and in y and agree
+// with the most certain of these, with weights that fall linearly to 0 at the reach in x and in y,
+// if they have weight enough: alone a node is known at up to 3/4 of its reach along an axis, half
+// of it along the diagonal.
 void SpreadNodes(const DepthNodes& nodes, ImageF* depth, ImageF* sigmas);
 
 }  // namespace prism
