@@ -20,6 +20,7 @@ DepthNodes NodesOf(const Field& field) {
     for (int i = 0; i < nodes.width(); ++i) {
       nodes.depth(i, j) = field(NodePixel(i), NodePixel(j));
       nodes.sigma(i, j) = 0.004f;
+      nodes.reach(i, j) = 6;
     }
   }
   return nodes;
@@ -30,6 +31,7 @@ DepthNodes LoneNode(int i, int j) {
   DepthNodes nodes(kSize, kSize);
   nodes.depth(i, j) = 0.3f;
   nodes.sigma(i, j) = 0.004f;
+  nodes.reach(i, j) = 6;
   return nodes;
 }
 
