@@ -46,8 +46,9 @@ cv::Mat VideoFile::Read(int index) {
   if (known != recent_.end()) return known->second;
   // Decoding what lies before is exact, which seeking is not in every file.
   if (index < next_) {
-    if (!capture_.open(path_, kDecoder))
+    if (!capture_.open(path_, kDecoder)) {
       throw InputError(path_, "a video that opens no more", "a video");
+    }
     next_ = 0;
     recent_.clear();
   }

@@ -277,13 +277,14 @@ DepthEstimator::Estimated DepthEstimator::MoveToTexture(const PreparedRaw& raw,
   const float scale = static_cast<float>(scale_);
   const float raw_px_of_focused = scale * estimated.w;
   Eigen::Vector2f shift = estimated.shift;
-  for (int moves = 0; raw_px_of_focused * estimated.shift.norm() > kNear; ++moves) {
-    if (moves == kMostMoves || raw_px_of_focused * shift.norm() > kFar) return {};
+  for (int moves = 0;; ++moves) {
+    if (raw_px_of_focused * shift.norm() > kFar) return {};
+    if (raw_px_of_focused * estimated.shift.norm() <= kNear) break;
+    if (moves == kMostMoves) return {};
     estimated = Refine(raw, raw_px + scale * shift, estimated.w, 3);
     if (estimated.w == 0 || !Accept(&estimated)) return {};
     shift += estimated.shift;
   }
-  if (raw_px_of_focused * shift.norm() > kFar) return {};
   estimated.shift = shift;
   return estimated;
 }

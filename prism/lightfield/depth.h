@@ -58,7 +58,7 @@ struct DepthOptions {
 //    mean place of the hessian's terms, and refined there; one that would leave its patch is
 //    dropped.
 // 3. Nodes that a third of their neighbours contradict are dropped; the others become the mean of
-//    the neighbours that agree, and the pixels between them are interpolated. Neighbours share raw
+//    the neighbours that agree, and the pixels around them are interpolated. Neighbours share raw
 //    pixels, so sigma is the mean of theirs, as if their errors were the same.
 //
 // sigma^2 = noise_factor^2 s^2 / hessian + misfit_factor^2 share^2 / sum(d^2) + sigma_floor^2 with

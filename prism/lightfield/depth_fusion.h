@@ -22,7 +22,6 @@ inline int NodesAlong(int size) { return (size - NodePixel(0) - 1) / kNodeSpacin
 struct DepthNodes {
   ImageF depth, sigma, shift_x, shift_y, reach;
 
-  DepthNodes() = default;
   // No estimates, for focused images of this size.
   DepthNodes(int image_width, int image_height);
 
