@@ -63,7 +63,9 @@ DEFINE_bool(
 DEFINE_string(camera_out, "", "Camera file (native YAML) written by --estimate_grid.");
 DEFINE_int32(max_frames, 0, "Number of frames to process; 0: all.");
 DEFINE_int32(threads, 2, "Threads; 0: one a core. The result does not depend on it.");
-DEFINE_double(min_inverse_virtual_depth, 0.1, "Smallest 1/v searched.");
+DEFINE_double(min_inverse_virtual_depth,
+              0,
+              "Smallest 1/v searched; 0: that of 0.2 m, but 0.05 at least and 0.1 at most.");
 DEFINE_double(max_inverse_virtual_depth, 0.48, "Largest 1/v searched, at most 0.5.");
 
 namespace prism {

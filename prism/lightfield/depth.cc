@@ -10,6 +10,7 @@
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
 
+#include "prism/camera/projection.h"
 #include "prism/lightfield/defocus_match.h"
 #include "prism/lightfield/depth_sweep.h"
 #include "prism/lightfield/patch_samples.h"
@@ -54,13 +55,22 @@ float NoiseGradient(const PreparedRaw& raw, const LensView* views, int count, fl
   return 0.5f * smooth_noise * smooth_noise * sum * (1 - 1 / static_cast<float>(count));
 }
 
+// Where a search begins that is not told where.
+double NearestInverseVirtualDepth(const PlenopticCamera& camera) {
+  constexpr double kNearest = 0.2;  // m
+  constexpr double kLeast = 0.05, kMost = 0.1;
+  std::string error;
+  if (camera.mode == MicroLensMode::kKeplerian || !camera.HasMetricDepth(&error)) return kMost;
+  return std::clamp(InverseVirtualDepth(PlenopticProjection(camera), 1 / kNearest), kLeast, kMost);
+}
+
 }  // namespace
 
 bool DepthOptions::IsValid(std::string* error) const {
-  if (!(min_inverse_virtual_depth > 0 && min_inverse_virtual_depth < max_inverse_virtual_depth &&
+  if (!(min_inverse_virtual_depth >= 0 && min_inverse_virtual_depth < max_inverse_virtual_depth &&
         max_inverse_virtual_depth <= 0.5)) {
     *error = "search range of 1/v from " + std::to_string(min_inverse_virtual_depth) + " to " +
-             std::to_string(max_inverse_virtual_depth) + ", expected 0 < min < max <= 0.5";
+             std::to_string(max_inverse_virtual_depth) + ", expected 0 <= min < max <= 0.5 (from 0: as near as the camera needs)";
   } else if (!(search_step * (SweepRange::kMaxHypotheses - 1) >=
                max_inverse_virtual_depth - min_inverse_virtual_depth)) {
     *error = "search_step of " + std::to_string(search_step) + ", expected at most 63 steps";
@@ -91,6 +101,9 @@ DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
       fused_(width_, height_) {
   std::string error;
   CHECK(options.IsValid(&error)) << error;
+  if (options_.min_inverse_virtual_depth == 0) {
+    options_.min_inverse_virtual_depth = NearestInverseVirtualDepth(camera);
+  }
   seeds_.resize(static_cast<size_t>(seed_width_) * seed_height_);
 }
 

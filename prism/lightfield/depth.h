@@ -18,7 +18,9 @@
 namespace prism {
 
 struct DepthOptions {
-  double min_inverse_virtual_depth = 0.10;  // 1/v searched from
+  // 1/v searched from; 0: from that of what is 0.2 m away, but from 0.05 at least and 0.1 at most
+  // (0.1 for Keplerian cameras and those without metric depth).
+  double min_inverse_virtual_depth = 0;
   double max_inverse_virtual_depth = 0.48;  // to; at most 0.5
   double search_step = 0.02;                // in 1/v; half a pixel between neighbouring lenses
   int seed_spacing = 10;        // focused px a side of a cell with one point searched in full
@@ -75,6 +77,7 @@ class DepthEstimator {
   // Both outputs on the focused grid, 0 = no measurement. Deterministic, independent of threads.
   void Estimate(const PreparedRaw& raw, ImageF* inverse_virtual_depth, ImageF* sigma);
 
+  const DepthOptions& options() const { return options_; }  // with the range as searched
   // Standard deviation of the noise of PreparedRaw::gray found in the last frame, 0 to 255.
   double noise() const { return texture_.noise(); }
   // How lenses matched in the last frame.

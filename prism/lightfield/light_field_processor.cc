@@ -77,8 +77,8 @@ LightFieldFrame LightFieldProcessor::ProcessHere(const RawFrame& frame) {
     StageTimer::Scope scope(&timer_, "focused_image");
     const float far =
         static_cast<float>(std::clamp(InverseVirtualDepthAtInfinity(PlenopticProjection(camera_)),
-                                      options_.depth.min_inverse_virtual_depth,
-                                      options_.depth.max_inverse_virtual_depth));
+                                      depth_.options().min_inverse_virtual_depth,
+                                      depth_.options().max_inverse_virtual_depth));
     dense_depth_.Fill(result.inverse_virtual_depth, result.sigma, far, &dense_);
     Render(prepared_.gray, &image);
     const cv::Mat bgr = options_.focus_colour ? preparation_.ToBgr(frame.image) : cv::Mat();

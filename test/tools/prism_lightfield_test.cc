@@ -144,7 +144,6 @@ TEST_F(PrismLightfieldTest, AFrameOfAnotherSizeIsBadInput) {
 
 TEST_F(PrismLightfieldTest, InverseVirtualDepthOutsideItsRangeIsBadInput) {
   for (const std::string flag : {"--max_inverse_virtual_depth=0.6",
-                                 "--min_inverse_virtual_depth=0",
                                  "--min_inverse_virtual_depth=-0.1",
                                  "--min_inverse_virtual_depth=0.49"}) {
     const ProgramResult result = Run(flag);
