@@ -332,17 +332,20 @@ TrackingResult Tracker::TryStarts(const ImagePyramid& target,
     constexpr int kNear = 2;
     take_if_better(align(prediction, kNear), result.alignment.cost);
   }
-  if (is_good(result.alignment)) return result;
+  // A good fit is the right one where motion predicts it. Without a prediction it may be another
+  // minimum: along two parallel edges there are several.
+  const bool knows_motion = KnowsMotion();
+  if (knows_motion && is_good(result.alignment)) return result;
 
   // Where motion predicts a frame, it is rather half hidden than somewhere else.
-  double max_cost = options_.max_cost_ratio * result.alignment.cost;
+  double max_cost = (knows_motion ? options_.max_cost_ratio : 1) * result.alignment.cost;
   const SE3 first = result.alignment.state.target_from_reference;
   int retries = 0;
   for (const AlignmentState& start : RankStarts(
            reference_, target, OtherStarts(time_ns, prediction), noise, options_.alignment)) {
-    if (AreOneMinimum(reference_, start.target_from_reference, first)) continue;
+    if (knows_motion && AreOneMinimum(reference_, start.target_from_reference, first)) continue;
     if (take_if_better(align(start), max_cost)) max_cost = result.alignment.cost;
-    if (is_good(result.alignment) || ++retries == options_.max_retries) break;
+    if ((knows_motion && is_good(result.alignment)) || ++retries == options_.max_retries) break;
   }
   return result;
 }
