@@ -70,7 +70,8 @@ bool DepthOptions::IsValid(std::string* error) const {
   if (!(min_inverse_virtual_depth >= 0 && min_inverse_virtual_depth < max_inverse_virtual_depth &&
         max_inverse_virtual_depth <= 0.5)) {
     *error = "search range of 1/v from " + std::to_string(min_inverse_virtual_depth) + " to " +
-             std::to_string(max_inverse_virtual_depth) + ", expected 0 <= min < max <= 0.5 (from 0: as near as the camera needs)";
+             std::to_string(max_inverse_virtual_depth) +
+             ", expected 0 <= min < max <= 0.5 (from 0: as near as the camera needs)";
   } else if (!(search_step * (SweepRange::kMaxHypotheses - 1) >=
                max_inverse_virtual_depth - min_inverse_virtual_depth)) {
     *error = "search_step of " + std::to_string(search_step) + ", expected at most 63 steps";

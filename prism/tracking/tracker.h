@@ -70,8 +70,8 @@ struct MotionPrediction {
 };
 
 // Tracks frames against the latest keyframe: constant-velocity prediction first. When the result is
-// not good (FitOptions::good), other starts are compared on the coarsest level and the best of them
-// followed to the finest.
+// not good (FitOptions::good), or nothing predicts it (the first frame after Start), other starts
+// are compared on the coarsest level and the best of them followed to the finest.
 class Tracker {
  public:
   explicit Tracker(const TrackerOptions& options) : options_(options) {}
@@ -128,8 +128,8 @@ class Tracker {
                                 const NoiseModel& noise,
                                 const AlignmentState& prediction) const;
   std::vector<AlignmentState> OtherStarts(int64_t time_ns, const AlignmentState& prediction) const;
-  // The best alignment from the prediction and, if that is not good, from other starts; without a
-  // verdict.
+  // The best alignment from the prediction and, if that is not good or motion is not known, from
+  // other starts; without a verdict.
   TrackingResult TryStarts(const ImagePyramid& target,
                            int64_t time_ns,
                            const AlignmentState& prediction,

@@ -25,7 +25,8 @@ SyntheticOptions SmallImages() {
 // A reference at the origin with true depths on a grid of points, and frames rendered anywhere.
 class PlaneScene {
  public:
-  PlaneScene() : model_(SyntheticCamera(SmallImages())), camera_(model_) {
+  explicit PlaneScene(Texture texture = PlaneTexture)
+      : model_(SyntheticCamera(SmallImages())), camera_(model_), texture_(std::move(texture)) {
     reference_image_ = Render(SE3());
     for (int y = 12; y < camera_.height - 12; y += 8) {
       for (int x = 12; x < camera_.width - 12; x += 8) {
@@ -37,7 +38,7 @@ class PlaneScene {
   }
 
   ImagePyramid Render(const SE3& cam_from_world) const {
-    return RenderPlane(camera_, cam_from_world, 0, nullptr)->image;
+    return RenderPlane(camera_, cam_from_world, 0, nullptr, texture_)->image;
   }
   TrackingReference Reference() const { return Reference(points_); }
   TrackingReference Reference(const std::vector<ReferencePoint>& points) const {
@@ -49,6 +50,7 @@ class PlaneScene {
  private:
   PlenopticCamera model_;
   PlenopticProjection camera_;
+  Texture texture_;
   ImagePyramid reference_image_;
   std::vector<ReferencePoint> points_;
 };
@@ -152,7 +154,8 @@ TEST(Tracker, FollowsAMotionAcrossAChangeOfReference) {
     const TrackingResult result = tracker.Track(scene.Render(truth), i * kFrame_ns, NoiseModel());
     ASSERT_EQ(result.status, TrackingStatus::kGood) << "frame " << i;
     EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3);
-    EXPECT_EQ(result.attempts, 1) << "frame " << i;
+    // Nothing predicts the first, so that it is looked for.
+    EXPECT_TRUE(result.attempts == 1 || i == 1) << "frame " << i;
   }
 }
 
@@ -170,7 +173,7 @@ TEST(Tracker, PredictsOverTheTimeThatHasPassed) {
     const TrackingResult result =
         tracker.Track(scene.Render(truth), frame * kFrame_ns, NoiseModel());
     ASSERT_EQ(result.status, TrackingStatus::kGood) << "frame " << frame;
-    EXPECT_EQ(result.attempts, 1) << "frame " << frame;
+    EXPECT_TRUE(result.attempts == 1 || frame == 1) << "frame " << frame;
     EXPECT_LT((result.alignment.state.target_from_reference * truth.Inverse()).Log().norm(), 2e-3);
   }
 }
@@ -194,6 +197,23 @@ TEST(Tracker, FindsAQuickMotionFromNothing) {
     // From then on velocity is known, the first frame being the reference.
     EXPECT_EQ(tracker.Track(scene.Render(truth * truth), 2 * kFrame_ns, NoiseModel()).attempts, 1)
         << motion.transpose();
+  }
+}
+
+// Stripes fit a period aside as well, but for the little that tells one from the other.
+TEST(Tracker, AtTheStartTheBestOfSeveralGoodMatchesIsTaken) {
+  const PlaneScene scene([](double x, double y) {
+    constexpr double kPeriod_m = 0.25;
+    return 128 + 60 * std::sin(2 * M_PI * x / kPeriod_m) + 0.15 * (PlaneTexture(x, y) - 128);
+  });
+  for (const double angle : {0.06, -0.06, 0.08, -0.08}) {
+    Tracker tracker{TrackerOptions{}};
+    tracker.Start(scene.Reference(), scene.reference_image(), 0);
+    const SE3 truth = SE3::Exp(AxisMotion(4, angle));
+    const TrackingResult result = tracker.Track(scene.Render(truth), kFrame_ns, NoiseModel());
+    const SE3& found = result.alignment.state.target_from_reference;
+    EXPECT_EQ(result.status, TrackingStatus::kGood) << angle;
+    EXPECT_LT((found * truth.Inverse()).Log().norm(), 5e-3) << angle;
   }
 }
 
