@@ -300,9 +300,9 @@ KeyframeResult Odometry::MakeKeyframe(FramePtr frame,
   if (result.status == KeyframeStatus::kGood) {
     window_.noise.ObserveWindow(result.optimization.VarianceFactor(PhotometricTerm::kName),
                                 result.optimization.VarianceFactor(InverseVirtualDepthTerm::kName));
-    if (result.optimization.uncertainty) {
-      window_.noise.ObserveDepthOffsets(result.optimization.uncertainty->keyframe_offset_square);
-    }
+  }
+  if (result.optimization.uncertainty) {
+    window_.noise.ObserveDepthOffsets(result.optimization.uncertainty->keyframe_offset_square);
   }
   map_.RememberKeyframes(window_, segment_);
   {

@@ -40,11 +40,11 @@ void NoiseModel::ObserveWindow(double photometric_variance_factor, double depth_
 }
 
 void NoiseModel::ObserveDepthOffsets(double expected_square) {
-  constexpr double kRate = 0.1;  // as above
+  constexpr double kRate = 0.1;  // of the way, a keyframe
   if (!(expected_square > 0)) return;
-  const double ratio = expected_square / (depth_offset_sigma_ * depth_offset_sigma_);
+  const double variance = depth_offset_sigma_ * depth_offset_sigma_;
   depth_offset_sigma_ =
-      std::clamp(depth_offset_sigma_ * std::pow(ratio, 0.5 * kRate), 0.0001, 0.003);
+      std::clamp(std::sqrt(variance + kRate * (expected_square - variance)), 0.0001, 0.003);
 }
 
 double NoiseModel::Misfit() const {

@@ -26,7 +26,9 @@ class NoiseModel {
   // A posteriori variance factors of a window that fits: the two standard deviations follow them
   // slowly (variance components). Their ratio decides where translation ends up.
   void ObserveWindow(double photometric_variance_factor, double depth_variance_factor);
-  // What a window that fits tells of DepthOffsetSigma: the expected square; followed slowly.
+  // What a window tells of DepthOffsetSigma: the expected square, whose mean it follows slowly.
+  // That of a window that fits badly counts as well: offsets larger than assumed are what makes it
+  // so.
   void ObserveDepthOffsets(double expected_square);
 
   // What residuals of frames that fit really scatter by: StatedSigma() times the misfit, which is

@@ -269,6 +269,22 @@ TEST(Odometry, DepthsThatTheirNeighboursContradictAreNotUsed) {
   });
 }
 
+// Windows whose depths are off by more than assumed fit badly, and would stay so.
+TEST(Odometry, LearnsByHowMuchDepthsOfAFrameAreOffInCommon) {
+  constexpr double kOffsetSigma = 0.003;
+  Odometry odometry(SyntheticCamera(Scene()), TestOptions());
+  for (int i = 0; i < 40; ++i) {
+    LightFieldFrame frame = TrueFrame(i, TruePose(i));
+    std::mt19937_64 generator = SeededGenerator(6, i);
+    const double offset = kOffsetSigma * std::normal_distribution<double>()(generator);
+    for (size_t k = 0; k < frame.sigma.size(); ++k) {
+      frame.inverse_virtual_depth.data()[k] += static_cast<float>(offset);
+    }
+    EXPECT_EQ(odometry.Process(std::move(frame)).status, FrameStatus::kTracked) << "frame " << i;
+  }
+  EXPECT_GT(odometry.window().noise.DepthOffsetSigma(), 1.5 * NoiseModel().DepthOffsetSigma());
+}
+
 TEST(Odometry, AFrameWhoseOwnDepthsDisagreeIsNotTaken) {
   Odometry odometry(SyntheticCamera(Scene()), TestOptions());
   for (int i = 0; i < 12; ++i) {

@@ -31,6 +31,12 @@ TEST(NoiseModel, AWindowThatSaysNothingChangesNothing) {
   EXPECT_EQ(noise.DepthScale(), 1);
 }
 
+TEST(NoiseModel, TheSigmaOfDepthOffsetsFollowsTheMeanSquare) {
+  NoiseModel noise(2, 3.5);
+  for (int i = 0; i < 100; ++i) noise.ObserveDepthOffsets((i % 2 == 0 ? 0.1 : 1.9) * 1e-6);
+  EXPECT_NEAR(noise.DepthOffsetSigma(), 1e-3, 1e-4);
+}
+
 TEST(NoiseModel, OneBadFrameDoesNotChangeWhatIsUsual) {
   NoiseModel noise(2, 3.5);
   for (int i = 0; i < 5; ++i) {
