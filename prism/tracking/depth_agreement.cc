@@ -11,7 +11,7 @@ std::optional<double> DepthAgreement(const TrackingReference& reference,
                                      const FrameAlignmentResult& alignment,
                                      const LightFieldFrame& frame,
                                      double depth_offset) {
-  constexpr int kMinMeasured = 30;
+  constexpr int kMinMeasured = 100;  // they lie in groups that err together
   constexpr double kMinSigma = 0.004;
   const RigidMotion motion(alignment.state.target_from_reference);
   int measured = 0, agreeing = 0;

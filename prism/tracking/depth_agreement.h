@@ -12,7 +12,7 @@ namespace prism {
 
 // Of the points of a reference that a frame aligned to it shows (PointFit::kFits), the fraction
 // that the frame measures where they are predicted to be: measured 1/v within three standard
-// deviations (0.004 at the least) of the predicted one. Nothing if fewer than 30 points meet a
+// deviations (0.004 at the least) of the predicted one. Nothing if fewer than 100 points meet a
 // measurement. `depth_offset` is what the frame's 1/v are off by. A wrong pose that happens to look
 // right fails this.
 std::optional<double> DepthAgreement(const TrackingReference& reference,
