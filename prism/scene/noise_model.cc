@@ -11,10 +11,9 @@ namespace prism {
 
 namespace {
 
-void KeepLast(double value, std::vector<double>* values) {
-  constexpr size_t kFrames = 30;
+void KeepLast(size_t count, double value, std::vector<double>* values) {
   values->push_back(value);
-  if (values->size() > kFrames) values->erase(values->begin());
+  if (values->size() > count) values->erase(values->begin());
 }
 
 }  // namespace
@@ -58,10 +57,10 @@ NoiseModel NoiseModel::WithWiderFit(double factor) const {
   return wider;
 }
 
-void NoiseModel::Observe(double rms) { KeepLast(rms / StatedSigma(), &misfits_); }
+void NoiseModel::Observe(double rms) { KeepLast(30, rms / StatedSigma(), &misfits_); }
 
 void NoiseModel::ObserveDepthAgreement(double agreement) {
-  KeepLast(agreement, &depth_agreements_);
+  KeepLast(5, agreement, &depth_agreements_);
 }
 
 double NoiseModel::UsualDepthAgreement() const {

@@ -39,7 +39,9 @@ class NoiseModel {
   double WeightedFitSigma() const { return FitSigma() / ResidualSigma(); }
   // RMS of the residuals of a frame that fits, intensities.
   void Observe(double rms);
-  // DepthAgreement of a frame that fits, and what is usual: the median of the last 30, 1 before.
+  // DepthAgreement of a frame that fits, and what is usual: the median of the last 5, 1 before. A
+  // camera whose figures are wrong bends the map and loses agreement from frame to frame, a wrong
+  // pose at once.
   void ObserveDepthAgreement(double agreement);
   double UsualDepthAgreement() const;
   // Enough frames were observed to know what fits.
@@ -55,7 +57,7 @@ class NoiseModel {
   double model_sigma_;
   double photometric_scale_ = 1;
   double depth_scale_ = 1;
-  double depth_offset_sigma_ = 0.0004;
+  double depth_offset_sigma_ = 0.0002;
   double wider_fit_ = 1;
   std::vector<double> misfits_;           // of the last frames
   std::vector<double> depth_agreements_;  // of the last frames
