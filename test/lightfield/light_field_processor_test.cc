@@ -154,6 +154,30 @@ TEST(Processor, ResultDoesNotDependOnTheNumberOfThreadsNorOnFramesBefore) {
   }
 }
 
+// 1/v at 0.2 m, but for limits: 0.125 with the 16 mm lens.
+TEST(Processor, LongLensesAreSearchedCloserToTheCameraThanShortOnes) {
+  const auto searched_from = [](const PlenopticCamera& camera, DepthOptions options = {}) {
+    const LensTable lenses(camera);
+    return DepthEstimator(camera, lenses, options).options().min_inverse_virtual_depth;
+  };
+  PlenopticCamera camera = SmallCamera();
+  EXPECT_EQ(searched_from(camera), 0.1);
+  camera.focal_length = 50e-3;
+  camera.main_lens_mla_distance = 48.8e-3;
+  EXPECT_EQ(searched_from(camera), 0.05);
+  camera.focal_length = 25e-3;
+  camera.main_lens_mla_distance = 24.1e-3;
+  EXPECT_NEAR(searched_from(camera),
+              camera.sensor_mla_distance / (1 / (1 / 25e-3 - 1 / 0.2) - 24.1e-3),
+              1e-9);
+  camera.main_lens_mla_distance = 26e-3;  // nothing real at any v
+  EXPECT_EQ(searched_from(camera), 0.1);
+  DepthOptions told;
+  told.min_inverse_virtual_depth = 0.2;
+  EXPECT_EQ(searched_from(camera, told), 0.2);
+  EXPECT_EQ(searched_from(SmallCamera(320, MicroLensMode::kKeplerian)), 0.1);
+}
+
 TEST(Processor, FrameWithoutTextureHasAnImageAndNoDepth) {
   const PlenopticCamera camera = SmallCamera();
   LightFieldProcessor processor(camera, White(camera), LightFieldOptions{});

@@ -37,6 +37,13 @@ TEST(NoiseModel, TheSigmaOfDepthOffsetsFollowsTheMeanSquare) {
   EXPECT_NEAR(noise.DepthOffsetSigma(), 1e-3, 1e-4);
 }
 
+TEST(NoiseModel, WhatIsUsualFollowsAgreementThatFallsFromFrameToFrame) {
+  NoiseModel noise(2, 3.5);
+  for (int i = 0; i < 20; ++i) noise.ObserveDepthAgreement(0.9);
+  for (int i = 0; i < 5; ++i) noise.ObserveDepthAgreement(0.7);
+  EXPECT_EQ(noise.UsualDepthAgreement(), 0.7);
+}
+
 TEST(NoiseModel, OneBadFrameDoesNotChangeWhatIsUsual) {
   NoiseModel noise(2, 3.5);
   for (int i = 0; i < 5; ++i) {
