@@ -337,8 +337,8 @@ TrackingResult Tracker::TryStarts(const ImagePyramid& target,
   const bool knows_motion = KnowsMotion();
   if (knows_motion && is_good(result.alignment)) return result;
 
-  // Where motion predicts a frame, it is rather half hidden than somewhere else.
-  double max_cost = (knows_motion ? options_.max_cost_ratio : 1) * result.alignment.cost;
+  // Near its start a frame is rather half hidden than somewhere else.
+  double max_cost = options_.max_cost_ratio * result.alignment.cost;
   const SE3 first = result.alignment.state.target_from_reference;
   int retries = 0;
   for (const AlignmentState& start : RankStarts(
