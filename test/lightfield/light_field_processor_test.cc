@@ -156,7 +156,7 @@ TEST(Processor, ResultDoesNotDependOnTheNumberOfThreadsNorOnFramesBefore) {
 
 // 1/v at 0.2 m, but for limits: 0.125 with the 16 mm lens.
 TEST(Processor, LongLensesAreSearchedCloserToTheCameraThanShortOnes) {
-  const auto searched_from = [](const PlenopticCamera& camera, DepthOptions options = {}) {
+  const auto searched_from = [](const PlenopticCamera& camera, const DepthOptions& options = {}) {
     const LensTable lenses(camera);
     return DepthEstimator(camera, lenses, options).options().min_inverse_virtual_depth;
   };
