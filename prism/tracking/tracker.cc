@@ -333,9 +333,9 @@ TrackingResult Tracker::TryStarts(const ImagePyramid& target,
     take_if_better(align(prediction, kNear), result.alignment.cost);
   }
   // A good fit is the right one where motion predicts it. Without a prediction it may be another
-  // minimum: along two parallel edges there are several.
-  const bool knows_motion = KnowsMotion();
-  if (knows_motion && is_good(result.alignment)) return result;
+  // minimum: along two parallel edges there are several, and near each other.
+  const auto is_settled = [&] { return KnowsMotion() && is_good(result.alignment); };
+  if (is_settled()) return result;
 
   // Near its start a frame is rather half hidden than somewhere else.
   double max_cost = options_.max_cost_ratio * result.alignment.cost;
@@ -343,9 +343,9 @@ TrackingResult Tracker::TryStarts(const ImagePyramid& target,
   int retries = 0;
   for (const AlignmentState& start : RankStarts(
            reference_, target, OtherStarts(time_ns, prediction), noise, options_.alignment)) {
-    if (knows_motion && AreOneMinimum(reference_, start.target_from_reference, first)) continue;
+    if (KnowsMotion() && AreOneMinimum(reference_, start.target_from_reference, first)) continue;
     if (take_if_better(align(start), max_cost)) max_cost = result.alignment.cost;
-    if ((knows_motion && is_good(result.alignment)) || ++retries == options_.max_retries) break;
+    if (is_settled() || ++retries == options_.max_retries) break;
   }
   return result;
 }
