@@ -111,7 +111,7 @@ void ReportRecorder::Add(const FrameResult& frame,
     UpdateKeyframes(odometry);
     ThinOutPictures(odometry.window());
   }
-  if (frame.joined) MoveKeyframes(odometry.map());
+  if (frame.joined || frame.has_settled) MoveKeyframes(odometry.map());
 }
 
 void ReportRecorder::MoveKeyframes(const Map& map) {

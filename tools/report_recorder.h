@@ -58,7 +58,7 @@ class ReportRecorder {
 
   void UpdateKeyframes(const Odometry& odometry);
   void ThinOutPictures(const Window& window);
-  // After a segment was joined to another.
+  // After a segment was joined to another, or moved since.
   void MoveKeyframes(const Map& map);
   static Pictures MakePictures(const LightFieldFrame& frame);
   // Moves the pictures into the entry once they are encoded; waits for that if asked to. False: not

@@ -62,6 +62,11 @@ class Map {
   // later is moved. Returns new from old world coordinates of what was.
   SE3 Join(int segment, int onto_piece, const SE3& world_from_segment);
 
+  // A segment has to be elsewhere in the world of its piece.
+  void PlaceSegment(int segment, const SE3& world_from_segment) {
+    segments_.at(segment).world_from_segment = world_from_segment;
+  }
+
   int Piece(int segment) const { return segments_.at(segment).piece; }
   const SE3& WorldFromSegment(int segment) const {
     return segments_.at(segment).world_from_segment;

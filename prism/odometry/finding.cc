@@ -82,15 +82,38 @@ std::vector<PlaceMatch> Odometry::FindPlaces(const std::vector<const Place*>& pl
                      options_.joining.match);
 }
 
+std::vector<const Place*> Odometry::PlacesToFind() const {
+  const JoiningOptions& options = options_.joining;
+  std::vector<const Place*> places;
+  for (const auto& [id, place] : map_.places()) {
+    const int segment = map_.SegmentOf(id);
+    const bool is_joined = map_.Piece(segment) == map_.Piece(segment_);
+    const bool closes_loop =
+        options.close_loops && id + options.min_loop_keyframes <= window_.newest().id;
+    const bool settles = keyframes_to_settle_ > 0 && segment != segment_;
+    if (is_joined ? closes_loop || settles : options.join) places.push_back(&place);
+  }
+  return places;
+}
+
+void Odometry::FindKeyframe(FrameResult* result) {
+  result->joined = JoinSegment();
+  if (result->joined) {
+    sightings_.clear();
+    keyframes_to_settle_ = options_.joining.settling_keyframes;
+  } else if (!sightings_.empty() &&
+             window_.keyframes.front()->id <= sightings_.back().keyframe_id) {
+    const std::optional<SE3> world_from_segment = FitSegment(map_, segment_, sightings_);
+    if (world_from_segment) map_.PlaceSegment(segment_, *world_from_segment);
+    result->has_settled = world_from_segment.has_value();
+  }
+  if (keyframes_to_settle_ > 0) --keyframes_to_settle_;
+}
+
 std::optional<JoinedSegment> Odometry::JoinSegment() {
   const JoiningOptions& options = options_.joining;
   const Keyframe& keyframe = window_.newest();
-  std::vector<const Place*> places;
-  for (const auto& [id, place] : map_.places()) {
-    const bool is_joined = map_.Piece(map_.SegmentOf(id)) == map_.Piece(segment_);
-    const bool is_old = id + options.min_loop_keyframes <= keyframe.id;
-    if (is_joined ? options.close_loops && is_old : options.join) places.push_back(&place);
-  }
+  const std::vector<const Place*> places = PlacesToFind();
   if (places.empty()) return std::nullopt;
   const StageTimer::Scope scope(&timer_, "recognize places");
   const PlaceQuery query =
@@ -102,6 +125,11 @@ std::optional<JoinedSegment> Odometry::JoinSegment() {
       placements.push_back(placement);
     } else if (!IsPlausibleLoop(options, map_, match, keyframe.id)) {
       continue;
+    } else if (keyframes_to_settle_ > 0 && map_.SegmentOf(match.keyframe_id) != segment_ &&
+               (sightings_.empty() || sightings_.back().keyframe_id != keyframe.id)) {
+      sightings_.push_back({keyframe.id,
+                            match.query_from_known * map_.CamFromWorld(match.keyframe_id),
+                            1 / query.place.median_rho});
     }
     map_.AddEdge(
         {match.keyframe_id,

@@ -3,6 +3,10 @@
 #include "prism/odometry/joining.h"
 
 #include <algorithm>
+#include <array>
+
+#include "prism/base/statistics.h"
+#include "prism/geometry/alignment.h"
 
 namespace prism {
 namespace {
@@ -23,12 +27,22 @@ bool Agree(const JoiningOptions& options,
          std::min(limit + options.max_flow_of_motion * motion, 4 * limit);
 }
 
+// A camera, and points a view's width apart that it sees.
+std::array<Eigen::Vector3d, 5> ViewPoints(double depth) {
+  const double side = depth / 3;
+  return {{{0, 0, 0},
+           {side, side, depth},
+           {-side, side, depth},
+           {side, -side, depth},
+           {-side, -side, depth}}};
+}
+
 }  // namespace
 
 bool JoiningOptions::IsValid(std::string* error) const {
   if (!match.IsValid(error)) return false;
   if (max_places >= 2 && min_agreeing >= 1 && max_flow > 0 && max_flow_of_motion >= 0 &&
-      min_loop_keyframes >= 0 && max_loop_drift > 0 && max_loop_offset_m > 0 &&
+      settling_keyframes >= 0 && min_loop_keyframes >= 0 && max_loop_drift > 0 && max_loop_offset_m > 0 &&
       max_loop_rotation > 0) {
     return true;
   }
@@ -63,6 +77,45 @@ std::optional<SegmentPlacement> SegmentJoiner::Observe(const JoiningOptions& opt
   return SegmentPlacement{newest.onto_piece,
                           SE3::Exp(mean / agreeing) * newest.world_from_segment,
                           newest.cam_from_segment};
+}
+
+std::optional<SE3> FitSegment(const Map& map, int segment, const std::vector<Sighting>& sightings) {
+  constexpr size_t kLeast = 3;
+  constexpr double kOutlier = 3;  // medians
+  if (sightings.size() < kLeast) return std::nullopt;
+  const auto segment_from_cam = [&](const Sighting& sighting) {
+    return (map.CamFromWorld(sighting.keyframe_id) * map.WorldFromSegment(segment)).Inverse();
+  };
+  const auto fit = [&](const std::vector<const Sighting*>& used) {
+    std::vector<Eigen::Vector3d> in_segment, in_world;
+    for (const Sighting* sighting : used) {
+      for (const Eigen::Vector3d& p_in_cam : ViewPoints(sighting->depth)) {
+        in_segment.push_back(segment_from_cam(*sighting) * p_in_cam);
+        in_world.push_back(sighting->cam_from_world.Inverse() * p_in_cam);
+      }
+    }
+    return AlignPoints(in_segment, in_world, false).target_from_source.rigid;
+  };
+  const auto distance = [&](const Sighting& sighting, const SE3& world_from_segment) {
+    const SE3 shift =
+        sighting.cam_from_world * world_from_segment * segment_from_cam(sighting);
+    double sum = 0;
+    for (const Eigen::Vector3d& p_in_cam : ViewPoints(sighting.depth)) {
+      sum += (shift * p_in_cam - p_in_cam).norm();
+    }
+    return sum;
+  };
+  std::vector<const Sighting*> used;
+  for (const Sighting& sighting : sightings) used.push_back(&sighting);
+  const SE3 first = fit(used);
+  std::vector<double> distances;
+  for (const Sighting& sighting : sightings) distances.push_back(distance(sighting, first));
+  const double limit = kOutlier * Quantile(distances, 0.5);
+  used.clear();
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    if (distances[i] <= limit) used.push_back(&sightings[i]);
+  }
+  return used.size() < kLeast ? std::nullopt : std::optional(fit(used));
 }
 
 bool IsPlausibleLoop(const JoiningOptions& options,

@@ -24,6 +24,9 @@ struct JoiningOptions {
   // wall), but no more than four times so much in all.
   double max_flow = 0.006;
   double max_flow_of_motion = 0.15;
+  // After a join, that are looked for in the rest of the piece as well: the first keyframes of a
+  // segment, which join it, know its direction least (FitSegment).
+  int settling_keyframes = 12;
   // Loops: the place is this many keyframes back at least, and stands where it was expected to
   // within this fraction of the path between, and this much.
   int min_loop_keyframes = 5;
@@ -61,6 +64,18 @@ class SegmentJoiner {
   // Of the last keyframes that matched anything; nothing: their own matches disagreed.
   std::vector<std::optional<SegmentPlacement>> placements_;
 };
+
+// A keyframe of a joined segment, found in what the rest of its piece shows.
+struct Sighting {
+  int keyframe_id = 0;
+  SE3 cam_from_world;
+  double depth = 1;  // median of what it shows, m
+};
+
+// world_from_segment for which keyframes and what lies before them, at `depth`, are nearest to where
+// they were found; those that are off by more than three times the median are left out. Nothing for
+// fewer than three.
+std::optional<SE3> FitSegment(const Map& map, int segment, const std::vector<Sighting>& sightings);
 
 // Whether a match within a piece of the map is one that the drift since allows. `keyframe_id`: that
 // of the query.

@@ -169,7 +169,7 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
     result.is_keyframe = true;
     result.keyframe_id = window_.newest().id;
     result.state = window_.newest().state;
-    result.joined = JoinSegment();
+    FindKeyframe(&result);
   } else {
     if (first_rms_ == 0 && !is_held) first_rms_ = alignment.points.rms;
     const size_t index =
@@ -249,6 +249,8 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
   lost_frames_ = unmatched_frames_ = held_frames_ = 0;
   recent_frames_.Clear();
   joiner_.Reset();
+  sightings_.clear();
+  keyframes_to_settle_ = 0;
   AnchorFirstKeyframe(&window_);
   map_.StartSegment(segment_, world_from_segment);
   map_.RememberKeyframes(window_, segment_);
@@ -256,7 +258,7 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
   const LightFieldFrame& newest = *window_.newest().frame;
   tracker_.Start(MakeReference(window_.newest()), newest.image, newest.time_ns);
   first_rms_ = 0;
-  result.joined = JoinSegment();
+  FindKeyframe(&result);
   last_pose_ = map_.WorldFromSegment(segment_).Inverse();
   result.segment = segment_;
   result.status = FrameStatus::kTracked;

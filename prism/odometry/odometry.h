@@ -69,6 +69,7 @@ struct FrameResult {
   // Of keyframes whose window was optimised: all but the first of a segment.
   KeyframeResult keyframe;
   std::optional<JoinedSegment> joined;  // with this keyframe
+  bool has_settled = false;  // its segment, joined before, was moved to where this keyframe says too
 };
 
 // Metric visual odometry from plenoptic frames. The first frame is a keyframe whose points take
@@ -114,7 +115,10 @@ class Odometry {
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
   // world_from_cam of a lost frame that shows a known place.
   std::optional<SE3> Recognize(const LightFieldFrame& frame);
-  // Looks for the newest keyframe in the rest of the map.
+  // Looks for the newest keyframe in the map, to join its segment to another, to place it better
+  // than it was joined, or for loops.
+  void FindKeyframe(FrameResult* result);
+  std::vector<const Place*> PlacesToFind() const;
   std::optional<JoinedSegment> JoinSegment();
   std::vector<PlaceMatch> FindPlaces(const std::vector<const Place*>& places,
                                      const PlaceQuery& query) const;
@@ -136,6 +140,8 @@ class Odometry {
   Tracker tracker_;
   Map map_;
   SegmentJoiner joiner_;
+  std::vector<Sighting> sightings_;  // since the segment was joined
+  int keyframes_to_settle_ = 0;      // that are still looked for
   RecentFrames recent_frames_;
   int next_keyframe_id_ = 0;
   int segment_ = 0;
