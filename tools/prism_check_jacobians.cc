@@ -18,6 +18,9 @@
 
 DEFINE_string(camera, "calib", "A plenoptic camera file, or a folder of them.");
 DEFINE_int32(samples, 200, "Random states per camera.");
+DEFINE_string(focused_image,
+              "virtual_points",
+              "What the focused images show: virtual_points (the supplement) or chief_rays.");
 DEFINE_uint32(seed, 0, "Seed of the random states.");
 DEFINE_string(json, "", "File for the result as JSON; empty: none.");
 
@@ -97,11 +100,17 @@ ExitStatus Run() {
   options.samples = FLAGS_samples;
   options.seed = FLAGS_seed;
   if (FLAGS_samples < 1) throw InputError("--samples", std::to_string(FLAGS_samples), "1 or more");
+  FocusedImage focused_image;
+  if (!ParseFocusedImage(FLAGS_focused_image, &focused_image)) {
+    throw InputError(
+        "--focused_image", "'" + FLAGS_focused_image + "'", "virtual_points or chief_rays");
+  }
   bool all_agree = true;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const std::string& file : CameraFiles()) {
-    const JacobianCheckResult result =
-        CheckJacobians(ReadMetricCamera(file), MakeDefaultTerms({}), options);
+    PlenopticCamera camera = ReadMetricCamera(file);
+    camera.focused_image = focused_image;
+    const JacobianCheckResult result = CheckJacobians(camera, MakeDefaultTerms({}), options);
     Print(file, result, options);
     json.push_back(ToJson(file, result));
     all_agree &= result.agrees;

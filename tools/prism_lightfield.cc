@@ -43,6 +43,10 @@ DEFINE_string(white_image,
               "White image; empty: white.png of the folder, else found on the frames; none: frames "
               "are taken as they are.");
 DEFINE_string(colour, "auto", "auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg.");
+DEFINE_string(focused_image,
+              "virtual_points",
+              "What a pixel shows: virtual_points, or chief_rays as prism_vo has it (an image that "
+              "depth taken wrongly does not displace). The camera file written says which.");
 DEFINE_bool(focus_colour,
             false,
             "Focused images and pinhole views in colour as well, of colour and Bayer frames; takes "
@@ -83,13 +87,21 @@ void ApplyFlags(LightFieldOptions* changed) {
 }
 
 RawInputOptions InputOptions() {
+  FocusedImage focused_image;
+  if (!ParseFocusedImage(FLAGS_focused_image, &focused_image)) {
+    throw InputError(
+        "--focused_image", "'" + FLAGS_focused_image + "'", "virtual_points or chief_rays");
+  }
   return {FLAGS_raw,
           FLAGS_camera,
           FLAGS_micro_lens_grid,
           FLAGS_white_image,
           FLAGS_colour,
           FLAGS_threads,
-          FLAGS_focus_colour};
+          FLAGS_focus_colour,
+          /*rate_hz=*/0,
+          /*skip_missing=*/false,
+          focused_image};
 }
 
 // Camera and grid that were not given, and a line about each.
@@ -202,6 +214,10 @@ ExitStatus ProcessSequence() {
   if (FLAGS_depth_tiff) RequireMetricDepth(input.camera, input_options.camera);
   ApplyFlags(&input.options);
   std::cout << input.grid_report << std::endl;
+  if (!FLAGS_truth.empty() && input_options.focused_image != FocusedImage::kVirtualPoints) {
+    throw InputError(
+        "--truth", "given with --focused_image=chief_rays", "virtual_points, which truth is of");
+  }
   if (!FLAGS_truth.empty() && !IsFolder(FLAGS_truth)) {
     throw InputError(FLAGS_truth, "no such folder", "a folder of true inverse virtual depth");
   }

@@ -66,6 +66,10 @@ DEFINE_string(white_image,
 DEFINE_string(colour,
               "auto",
               "Of raw frames: auto, gray, colour, bayer_rggb, _bggr, _grbg, _gbrg.");
+DEFINE_string(focused_image,
+              "chief_rays",
+              "What raw frames are turned into: an image of chief_rays, which depth taken wrongly "
+              "does not displace, or of virtual_points.");
 DEFINE_bool(focus_colour,
             false,
             "Points in colour, of colour and Bayer raw frames; takes three focused images more.");
@@ -192,6 +196,7 @@ SequenceOptions SequenceOptionsFromFlags() {
   options.colour = FLAGS_colour;
   options.threads = FLAGS_threads;
   options.focus_colour = FLAGS_focus_colour;
+  options.focused_image = FLAGS_focused_image;
   options.format = FLAGS_format;
   options.skip_missing = FLAGS_skip_missing;
   options.start_frame = FLAGS_start_frame;

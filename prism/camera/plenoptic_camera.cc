@@ -43,6 +43,19 @@ const char* ToString(MicroLensMode mode) {
   return mode == MicroLensMode::kKeplerian ? "keplerian" : "galilean";
 }
 
+const char* ToString(FocusedImage image) {
+  return image == FocusedImage::kChiefRays ? "chief_rays" : "virtual_points";
+}
+
+bool ParseFocusedImage(const std::string& name, FocusedImage* image) {
+  for (const FocusedImage known : {FocusedImage::kVirtualPoints, FocusedImage::kChiefRays}) {
+    if (name != ToString(known)) continue;
+    *image = known;
+    return true;
+  }
+  return false;
+}
+
 bool PlenopticCamera::IsValid(std::string* error) const {
   Validator validator(error);
   const double lengths_mm[] = {

@@ -21,6 +21,20 @@ enum class MicroLensMode {
 
 const char* ToString(MicroLensMode mode);  // "galilean", "keplerian"
 
+// What a pixel of a totally focused image shows.
+enum class FocusedImage {
+  // The virtual point at it (Eqs. (10), (12)): where the scene's depth is taken to be another than
+  // it is, the image is displaced along the chief ray, by (x - c) f_L times the error of 1/z.
+  kVirtualPoints,
+  // The chief ray, through the middle of the main lens, that meets the plane of infinitely far
+  // points at it. Depth taken wrongly blurs this image, but does not displace it.
+  kChiefRays,
+};
+
+const char* ToString(FocusedImage image);  // "virtual_points", "chief_rays"
+// False if the name is none of them.
+bool ParseFocusedImage(const std::string& name, FocusedImage* image);
+
 // A focused plenoptic camera: thin main lens, pinhole micro lenses (supplement Section B, which is
 // written for Galilean cameras). Lengths in metres. Raw pixels and focused pixels are different
 // grids: raw = (focused + 0.5) * focused_scale - 0.5.
@@ -34,6 +48,7 @@ struct PlenopticCamera {
   double raw_pixel_size = 0;
   Eigen::Vector2d raw_principal_point = Eigen::Vector2d::Zero();  // c_L in raw px
   int focused_scale = 2;                                          // raw width / focused width
+  FocusedImage focused_image = FocusedImage::kVirtualPoints;
   Distortion distortion;
   // Eq. (8) holds between micro-image centres and micro-lens centres (false: they coincide).
   bool adjust_micro_lens_centers = true;

@@ -9,7 +9,8 @@ namespace prism {
 PlenopticProjection::PlenopticProjection(const PlenopticCamera& camera, int level)
     : f(camera.focal_length),
       b_L0(camera.main_lens_mla_distance),
-      B(camera.virtual_depth_sign() * camera.sensor_mla_distance) {
+      B(camera.virtual_depth_sign() * camera.sensor_mla_distance),
+      image(camera.focused_image) {
   const double scale = camera.focused_scale * std::ldexp(1.0, level);
   s = camera.raw_pixel_size * scale;
   c = (camera.raw_principal_point.array() + 0.5) / scale - 0.5;
@@ -47,14 +48,15 @@ bool Project(const PlenopticProjection& camera,
              Eigen::Matrix3d* J_x_C) {
   const double z_minus_f = x_C.z() - camera.f;
   if (!(z_minus_f > 0)) return false;
-  const double alpha = camera.f / (camera.s * z_minus_f);  // Eq. (73)
-  const double b_L = camera.f * x_C.z() / z_minus_f;       // Eq. (2)
+  const double zeta = x_C.z() - camera.center_z();
+  const double alpha = camera.f / (camera.s * zeta);  // Eq. (73)
+  const double b_L = camera.f * x_C.z() / z_minus_f;  // Eq. (2)
   *x_V << alpha * x_C.x() + camera.c.x(), alpha * x_C.y() + camera.c.y(),
       (b_L - camera.b_L0) / camera.B;  // Eq. (10)
   if (J_x_C != nullptr) {
     const double beta = -camera.f * camera.f / (camera.B * z_minus_f * z_minus_f);  // Eq. (75)
-    *J_x_C << alpha, 0, -alpha * x_C.x() / z_minus_f,                               //
-        0, alpha, -alpha * x_C.y() / z_minus_f,                                     //
+    *J_x_C << alpha, 0, -alpha * x_C.x() / zeta,                                    //
+        0, alpha, -alpha * x_C.y() / zeta,                                          //
         0, 0, beta;                                                                 // Eq. (47)
   }
   return true;
@@ -65,9 +67,9 @@ Eigen::Vector3d UnprojectInverseDepth(const PlenopticProjection& camera,
                                       double rho) {
   const Eigen::Vector2d m = (x_V - camera.c) * (camera.s / camera.f);
   const double z = 1 / rho;
-  // Eq. (17) with z / b_L = z / f - 1.
-  const double z_minus_f = z - camera.f;
-  return {m.x() * z_minus_f, m.y() * z_minus_f, z};
+  // Eq. (17), where z / b_L = z / f - 1.
+  const double zeta = z - camera.center_z();
+  return {m.x() * zeta, m.y() * zeta, z};
 }
 
 bool ProjectBetweenFrames(const PlenopticProjection& camera,
@@ -79,8 +81,9 @@ bool ProjectBetweenFrames(const PlenopticProjection& camera,
   const Eigen::Vector3d X =
       target_from_host.R * ScaledRay(camera, host_px, rho) + rho * target_from_host.t;
   ScaledProjection::Pixel pixel;
-  if (!ScaledProjection(camera).Project(X, rho, &pixel)) return false;
-  const double b_L = camera.f * X.z() / pixel.D;                    // Eq. (2)
+  const double z_minus_f = X.z() - rho * camera.f;  // times rho
+  if (!(z_minus_f > 0) || !ScaledProjection(camera).Project(X, rho, &pixel)) return false;
+  const double b_L = camera.f * X.z() / z_minus_f;                  // Eq. (2)
   *x_V_target << pixel.x, pixel.y, (b_L - camera.b_L0) / camera.B;  // Eq. (19)
   return true;
 }
@@ -121,7 +124,8 @@ Eigen::Vector2d FocusedFromRaw(const PlenopticCamera& camera, const Eigen::Vecto
 Eigen::Vector2d VirtualFromPinhole(const PlenopticProjection& camera,
                                    const Eigen::Vector2d& pinhole_px,
                                    double rho) {
-  const double b_L = camera.f / (1 - rho * camera.f);  // Eq. (2)
+  // b_L of Eq. (2) for virtual points.
+  const double b_L = camera.f / (1 - rho * camera.center_z());
   return (pinhole_px - camera.c) * (b_L / (2 * camera.B + camera.b_L0)) + camera.c;
 }
 

@@ -23,11 +23,16 @@ namespace prism {
 // focused image is a pinhole image whose centre of projection is the front focal point (0, 0, f_L)
 // and whose focal length is f_L / s px. It follows that the image of a viewing ray in another
 // frame, the epipolar curve, is a straight line.
+//
+// A focused image of chief rays (FocusedImage::kChiefRays) is one of the same focal length, seen
+// from the main lens: x'_V - c = (f_L / s) x_C / z_C. All that distinguishes the two is `center_z`,
+// which stands for f_L wherever it is not the lens that is meant: Eqs. (10), (15), (17) and (84).
 struct PlenopticProjection {
-  double f = 0;                                 // f_L, m
-  double b_L0 = 0;                              // m
-  double B = 0;                                 // m; negative: Keplerian
-  double s = 0;                                 // s_x = s_y, focused pixel size, m
+  double f = 0;     // f_L, m
+  double b_L0 = 0;  // m
+  double B = 0;     // m; negative: Keplerian
+  double s = 0;     // s_x = s_y, focused pixel size, m
+  FocusedImage image = FocusedImage::kVirtualPoints;
   Eigen::Vector2d c = Eigen::Vector2d::Zero();  // c_L, focused px
   int width = 0;                                // focused px
   int height = 0;
@@ -36,6 +41,8 @@ struct PlenopticProjection {
   explicit PlenopticProjection(const PlenopticCamera& camera, int level = 0);
 
   double FocalLengthPx() const { return f / s; }
+  // z_C of the focused image's centre of projection, m.
+  double center_z() const { return image == FocusedImage::kChiefRays ? 0 : f; }
 };
 
 // ---- metric inverse depth rho <-> inverse virtual depth w = 1/v (Eqs. (2), (4), (85), (86)) ----
@@ -83,7 +90,7 @@ inline Eigen::Vector3d ScaledRay(const PlenopticProjection& camera,
                                  const Eigen::Vector2d& px,
                                  double rho) {
   const Eigen::Vector2d m = (px - camera.c) * (camera.s / camera.f);
-  const double k = 1 - rho * camera.f;
+  const double k = 1 - rho * camera.center_z();
   return {m.x() * k, m.y() * k, 1};
 }
 
@@ -92,23 +99,26 @@ inline Eigen::Vector3d ScaledRay(const PlenopticProjection& camera,
 class ScaledProjection {
  public:
   explicit ScaledProjection(const PlenopticProjection& camera)
-      : f_px_(camera.FocalLengthPx()), f_(camera.f), cx_(camera.c.x()), cy_(camera.c.y()) {}
+      : f_px_(camera.FocalLengthPx()),
+        center_z_(camera.center_z()),
+        cx_(camera.c.x()),
+        cy_(camera.c.y()) {}
 
   struct Pixel {
     double x, y;   // focused px
-    double D;      // rho (z_C - f_L)
+    double D;      // rho (z_C - center_z)
     double alpha;  // dx / dX.x = dy / dX.y, Eq. (73) times rho
   };
 
-  // False at or inside the focal length.
+  // False at or behind the centre of projection.
   bool Project(const Eigen::Vector3d& X, double rho, Pixel* pixel) const {
     *pixel = At(X, rho);
     return pixel->D > 0;
   }
 
-  // The same of a point known to lie beyond the focal length.
+  // The same of a point known to lie before it.
   Pixel At(const Eigen::Vector3d& X, double rho) const {
-    const double D = X.z() - rho * f_;
+    const double D = X.z() - rho * center_z_;
     const double alpha = f_px_ / D;
     return {alpha * X.x() + cx_, alpha * X.y() + cy_, D, alpha};
   }
@@ -139,11 +149,12 @@ class ScaledProjection {
 
   // The same over rho, given dX / drho (Eq. (84)); D depends on rho by itself as well.
   double OverInverseDepth(const Eigen::Vector3d& over_X, const Eigen::Vector3d& dX_drho) const {
-    return over_X.x() * dX_drho.x() + over_X.y() * dX_drho.y() + over_X.z() * (dX_drho.z() - f_);
+    return over_X.x() * dX_drho.x() + over_X.y() * dX_drho.y() +
+           over_X.z() * (dX_drho.z() - center_z_);
   }
 
  private:
-  double f_px_, f_, cx_, cy_;
+  double f_px_, center_z_, cx_, cy_;
 };
 
 // Pi_pl of Eqs. (18)-(19): pixel and inverse depth in the host frame to x'_V in the target frame,

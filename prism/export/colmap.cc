@@ -79,7 +79,7 @@ std::string WriteColmap(const std::string& folder, const ExportRun& run) {
       "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, "
       "POINT3D_ID)\n";
   for (const ExportKeyframe& keyframe : run.keyframes) {
-    const SE3 pose = WorldFromFocalPoint(run.camera, keyframe.world_from_cam).Inverse();
+    const SE3 pose = WorldFromPinhole(run.camera, keyframe.world_from_cam).Inverse();
     const Eigen::Quaterniond q = pose.rotation();
     const Eigen::Vector3d t = pose.translation();
     const std::string name = keyframe.ImageName();

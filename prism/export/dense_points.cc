@@ -68,7 +68,7 @@ Verdict Ask(const PlenopticProjection& camera,
             double max_error,
             Sample* sample) {
   const Eigen::Vector3d p = other->cam_from_world.R * p_in_world + other->cam_from_world.t;
-  const double zeta = p.z() - camera.f;
+  const double zeta = p.z() - camera.center_z();
   if (zeta <= 0) return Verdict::kNothing;
   const Eigen::Vector2d px = camera.c + camera.FocalLengthPx() / zeta * p.head<2>();
   const int x = static_cast<int>(std::lround(px.x())), y = static_cast<int>(std::lround(px.y()));
@@ -100,7 +100,7 @@ std::vector<OrientedPoint> FuseDepth(const ExportRun& run, const FusionOptions& 
     }
     MetricMap& map = *maps[host];
     const Eigen::Vector3d center =
-        WorldFromFocalPoint(run.camera, run.keyframes[host].world_from_cam).translation();
+        WorldFromPinhole(run.camera, run.keyframes[host].world_from_cam).translation();
     for (int y = 0; y < map.rho.height(); ++y) {
       for (int x = 0; x < map.rho.width(); ++x) {
         const size_t pixel = static_cast<size_t>(y) * map.rho.width() + x;

@@ -78,8 +78,9 @@ DepthMap DecodeDepth(const ExportKeyframe& keyframe) {
   return map;
 }
 
-SE3 WorldFromFocalPoint(const PlenopticProjection& camera, const SE3& world_from_cam) {
-  return world_from_cam * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, camera.f));
+SE3 WorldFromPinhole(const PlenopticProjection& camera, const SE3& world_from_cam) {
+  return world_from_cam *
+         SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, camera.center_z()));
 }
 
 }  // namespace prism

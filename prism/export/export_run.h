@@ -58,8 +58,8 @@ struct DepthMap {
 DepthMap DecodeDepth(const ExportKeyframe& keyframe);
 
 // The pinhole camera that the totally focused image is (prism/camera/projection.h): its centre is
-// the front focal point of the main lens, its focal length f_L / s px. Nothing else of the
-// plenoptic camera is left in it, and other software needs no more.
-SE3 WorldFromFocalPoint(const PlenopticProjection& camera, const SE3& world_from_cam);
+// the main lens or, in images of virtual points, the front focal point; its focal length f_L / s
+// px. Nothing else of the plenoptic camera is left in it, and other software needs no more.
+SE3 WorldFromPinhole(const PlenopticProjection& camera, const SE3& world_from_cam);
 
 }  // namespace prism

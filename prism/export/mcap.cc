@@ -19,7 +19,10 @@ namespace {
 
 constexpr char kWorld[] = "world";
 constexpr char kCamera[] = "camera";
-constexpr char kPinhole[] = "front_focal_point";
+// Where the pinhole of the images stands.
+const char* PinholeFrame(const PlenopticProjection& camera) {
+  return camera.image == FocusedImage::kChiefRays ? "main_lens" : "front_focal_point";
+}
 
 void AddFile(const google::protobuf::FileDescriptor& file,
              std::set<std::string>* known,
@@ -66,7 +69,7 @@ std::string Transform(int64_t time_ns, const char* parent, const char* child, co
 std::string Calibration(int64_t time_ns, const PlenopticProjection& camera) {
   foxglove::CameraCalibration calibration;
   SetTime(time_ns, &calibration);
-  calibration.set_frame_id(kPinhole);
+  calibration.set_frame_id(PinholeFrame(camera));
   calibration.set_width(camera.width);
   calibration.set_height(camera.height);
   const double f = camera.FocalLengthPx();
@@ -81,10 +84,10 @@ std::string Calibration(int64_t time_ns, const PlenopticProjection& camera) {
   return calibration.SerializeAsString();
 }
 
-std::string Picture(const ExportKeyframe& keyframe) {
+std::string Picture(const ExportKeyframe& keyframe, const std::string& frame) {
   foxglove::CompressedImage image;
   SetTime(keyframe.time_ns, &image);
-  image.set_frame_id(kPinhole);
+  image.set_frame_id(frame);
   image.set_format("png");
   image.set_data(keyframe.image.data(), keyframe.image.size());
   return image.SerializeAsString();
@@ -142,16 +145,17 @@ std::string WriteMcap(const std::string& folder, const ExportRun& run) {
     if (start_ns < 0) throw InputError(path, "times before 1970", "times that MCAP can hold");
     writer.AddMessage(points, start_ns, Cloud(start_ns, run.points));
   }
-  const SE3 camera_from_pinhole = WorldFromFocalPoint(run.camera, SE3());
+  const char* pinhole = PinholeFrame(run.camera);
+  const SE3 camera_from_pinhole = WorldFromPinhole(run.camera, SE3());
   for (const StampedPose& pose : run.trajectory) {
     writer.AddMessage(
         tf, pose.time_ns, Transform(pose.time_ns, kWorld, kCamera, pose.world_from_cam));
     writer.AddMessage(
-        tf, pose.time_ns, Transform(pose.time_ns, kCamera, kPinhole, camera_from_pinhole));
+        tf, pose.time_ns, Transform(pose.time_ns, kCamera, pinhole, camera_from_pinhole));
     for (const ExportKeyframe& keyframe : run.keyframes) {
       if (keyframe.time_ns != pose.time_ns) continue;
       writer.AddMessage(calibrations, pose.time_ns, Calibration(pose.time_ns, run.camera));
-      writer.AddMessage(images, pose.time_ns, Picture(keyframe));
+      writer.AddMessage(images, pose.time_ns, Picture(keyframe, pinhole));
     }
   }
   WriteTextAtomically(path, writer.Finish());

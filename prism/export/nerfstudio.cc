@@ -22,7 +22,7 @@ cv::Mat DepthInMillimetres(const PlenopticProjection& camera, const DepthMap& ma
       if (w(x, y) == 0) continue;
       const double rho = InverseDepth(camera, w(x, y));
       if (rho <= 0) continue;
-      const double mm = std::round(1e3 * (1 / rho - camera.f));
+      const double mm = std::round(1e3 * (1 / rho - camera.center_z()));
       if (mm >= 1 && mm <= 65535) depth.at<uint16_t>(y, x) = static_cast<uint16_t>(mm);
     }
   }
@@ -68,7 +68,7 @@ std::string WriteNerfstudio(const std::string& folder, const ExportRun& run) {
     json["frames"].push_back(
         {{"file_path", image},
          {"depth_file_path", depth},
-         {"transform_matrix", OpenGlPose(WorldFromFocalPoint(run.camera, keyframe.world_from_cam))},
+         {"transform_matrix", OpenGlPose(WorldFromPinhole(run.camera, keyframe.world_from_cam))},
          {"time", 1e-9 * static_cast<double>(keyframe.time_ns)}});
   }
   WriteOrientedPly(InFolder(root, "points.ply"), SparsePoints(run));

@@ -13,8 +13,7 @@ namespace prism {
 std::vector<OrientedPoint> SparsePoints(const ExportRun& run) {
   std::map<int, Eigen::Vector3d> center_of_id;
   for (const ExportKeyframe& keyframe : run.keyframes) {
-    center_of_id[keyframe.id] =
-        WorldFromFocalPoint(run.camera, keyframe.world_from_cam).translation();
+    center_of_id[keyframe.id] = WorldFromPinhole(run.camera, keyframe.world_from_cam).translation();
   }
   std::vector<OrientedPoint> points;
   for (const ExportPoint& point : run.points) {

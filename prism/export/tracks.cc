@@ -100,7 +100,7 @@ bool ProjectToKeyframe(const PlenopticProjection& camera,
                        const Eigen::Vector3d& p_in_world,
                        Eigen::Vector2d* px) {
   const Eigen::Vector3d p = cam_from_world * p_in_world;
-  const double zeta = p.z() - camera.f;
+  const double zeta = p.z() - camera.center_z();
   if (zeta <= 0) return false;
   *px = camera.c + camera.FocalLengthPx() / zeta * p.head<2>();
   return true;

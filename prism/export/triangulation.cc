@@ -35,7 +35,7 @@ Sums Evaluate(const PlenopticProjection& camera,
       return sums;
     }
     const Eigen::Vector3d p = pose * p_in_world;
-    const double zeta = p.z() - camera.f;
+    const double zeta = p.z() - camera.center_z();
     Eigen::Matrix<double, 2, 3> J;
     J << f / zeta, 0, -f * p.x() / (zeta * zeta), 0, f / zeta, -f * p.y() / (zeta * zeta);
     J = J * pose.RotationMatrix();

@@ -62,7 +62,7 @@ bool SamplePatternImpl(const PatternGeometry& geometry,
   alignas(64) double fx_of[kPatternSize], fy_of[kPatternSize];
   alignas(64) int32_t offset[kPatternSize];
   for (size_t i = 0; i < kPatternSize; i += hn::Lanes(d)) {
-    const auto D = hn::Sub(Coordinate(d, geometry, 2, i), set(geometry.rho * geometry.f));
+    const auto D = hn::Sub(Coordinate(d, geometry, 2, i), set(geometry.rho * geometry.center_z));
     const auto alpha = hn::Div(set(geometry.f_px), D);
     const auto x = hn::MulAdd(alpha, Coordinate(d, geometry, 0, i), set(geometry.c_x));
     const auto y = hn::MulAdd(alpha, Coordinate(d, geometry, 1, i), set(geometry.c_y));
@@ -122,7 +122,7 @@ void DifferentiatePatternImpl(const PatternGeometry& geometry,
     const auto X = Coordinate(d, geometry, 0, i);
     const auto Y = Coordinate(d, geometry, 1, i);
     const auto Z = Coordinate(d, geometry, 2, i);
-    const auto inverse_D = hn::Div(set(1), hn::Sub(Z, set(geometry.rho * geometry.f)));
+    const auto inverse_D = hn::Div(set(1), hn::Sub(Z, set(geometry.rho * geometry.center_z)));
     const auto alpha = hn::Mul(set(geometry.f_px), inverse_D);
     const auto gradient_x = hn::Load(d, samples.gradient_x + i);
     const auto gradient_y = hn::Load(d, samples.gradient_y + i);
@@ -136,7 +136,7 @@ void DifferentiatePatternImpl(const PatternGeometry& geometry,
                                         Coordinate(d, d_geometry, 0, i),
                                         Coordinate(d, d_geometry, 1, i),
                                         Coordinate(d, d_geometry, 2, i),
-                                        set(geometry.f));
+                                        set(geometry.center_z));
     hn::Store(J_rho, d, derivatives->rho + i);
   }
 }

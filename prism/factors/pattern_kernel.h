@@ -15,7 +15,7 @@ namespace prism {
 struct PatternGeometry {
   const double *center, *step_x, *step_y;  // 3 each
   double rho = 0;
-  double f = 0, f_px = 0, c_x = 0, c_y = 0;  // of the camera, see ScaledProjection
+  double center_z = 0, f_px = 0, c_x = 0, c_y = 0;  // of the camera, see ScaledProjection
 };
 
 // Residual k is weight[k] (I_target - target_b) - weight[k] gain (I_host - host_b).

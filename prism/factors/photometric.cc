@@ -22,22 +22,22 @@ class PatternRays {
     const Eigen::Vector3d& t = target_from_host.t;
     const double pixel = camera.s / camera.f;
     const Eigen::Vector2d m = (px - camera.c) * pixel;
-    const double k = 1 - rho * camera.f;
+    const double k = 1 - rho * camera.center_z();
     const Eigen::Vector3d lateral = R.col(0) * m.x() + R.col(1) * m.y();
     center_ = k * lateral + R.col(2) + rho * t;
     step_x_ = (k * pixel) * R.col(0);
     step_y_ = (k * pixel) * R.col(1);
-    d_center_ = t - camera.f * lateral;
-    d_step_x_ = (-camera.f * pixel) * R.col(0);
-    d_step_y_ = (-camera.f * pixel) * R.col(1);
+    d_center_ = t - camera.center_z() * lateral;
+    d_step_x_ = (-camera.center_z() * pixel) * R.col(0);
+    d_step_y_ = (-camera.center_z() * pixel) * R.col(1);
   }
   PatternGeometry Geometry() const { return Of(center_, step_x_, step_y_); }
   PatternGeometry Derivative() const { return Of(d_center_, d_step_x_, d_step_y_); }
-  // Every pixel beyond the focal length.
+  // Every pixel before the centre of projection.
   bool AreInFront() const {
     bool in_front = true;
     for (const auto& [dx, dy] : kPattern) {
-      in_front &= center_.z() + dx * step_x_.z() + dy * step_y_.z() > rho_ * camera_->f;
+      in_front &= center_.z() + dx * step_x_.z() + dy * step_y_.z() > rho_ * camera_->center_z();
     }
     return in_front;
   }
@@ -50,7 +50,7 @@ class PatternRays {
             step_x.data(),
             step_y.data(),
             rho_,
-            camera_->f,
+            camera_->center_z(),
             camera_->FocalLengthPx(),
             camera_->c.x(),
             camera_->c.y()};

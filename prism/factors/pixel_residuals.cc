@@ -24,7 +24,7 @@ namespace prism {
 struct PixelBatch {
   const double *m_x, *m_y, *intensity, *rho;
   double R[3][3], t[3], gain, b;
-  double f, f_px, c_x, c_y;
+  double center_z, f_px, c_x, c_y;
   ImageViewF image;
 };
 
@@ -61,12 +61,12 @@ void Project(const PixelBatch& batch, ProjectedBatch* projected, double* seen_of
   const auto stride = hn::Set(di, static_cast<int32_t>(batch.image.stride));
   for (size_t i = 0; i < kPixelBatch; i += hn::Lanes(d)) {
     const auto rho = hn::LoadU(d, batch.rho + i);
-    const auto rho_f = hn::Mul(rho, set(batch.f));
-    const auto k = hn::Sub(one, rho_f);
+    const auto rho_center = hn::Mul(rho, set(batch.center_z));
+    const auto k = hn::Sub(one, rho_center);
     const auto a = hn::Mul(hn::LoadU(d, batch.m_x + i), k);
     const auto b = hn::Mul(hn::LoadU(d, batch.m_y + i), k);
     const auto X = row(0, a, b, rho), Y = row(1, a, b, rho), Z = row(2, a, b, rho);
-    const auto D = hn::Sub(Z, rho_f);
+    const auto D = hn::Sub(Z, rho_center);
     const auto inverse_D = hn::Div(one, D);
     const auto alpha = hn::Mul(set(batch.f_px), inverse_D);
     const auto x = hn::MulAdd(alpha, X, set(batch.c_x));
@@ -137,15 +137,15 @@ void Compare(const PixelBatch& batch,
     StoreOverPose(over_X, over_Y, over_Z, X, Y, Z, rho, store);
     store(6, hn::Neg(scaled));
     store(7, set(-1));
-    // The pixel is held: dX / drho = t - f R [m; 0].
+    // The pixel is held: dX / drho = t - center_z R [m; 0].
     const auto m_x = hn::IfThenElseZero(seen, hn::LoadU(d, batch.m_x + i));
     const auto m_y = hn::IfThenElseZero(seen, hn::LoadU(d, batch.m_y + i));
     const auto dX_drho = [&](int k) {
-      const auto from_y = hn::NegMulAdd(set(batch.f * batch.R[k][1]), m_y, set(batch.t[k]));
-      return hn::NegMulAdd(set(batch.f * batch.R[k][0]), m_x, from_y);
+      const auto from_y = hn::NegMulAdd(set(batch.center_z * batch.R[k][1]), m_y, set(batch.t[k]));
+      return hn::NegMulAdd(set(batch.center_z * batch.R[k][0]), m_x, from_y);
     };
-    const auto J_rho =
-        OverInverseDepth(over_X, over_Y, over_Z, dX_drho(0), dX_drho(1), dX_drho(2), set(batch.f));
+    const auto J_rho = OverInverseDepth(
+        over_X, over_Y, over_Z, dX_drho(0), dX_drho(1), dX_drho(2), set(batch.center_z));
     hn::Store(J_rho, d, residuals->J_rho + i);
   }
 }
@@ -199,7 +199,7 @@ void EvaluatePixels(const ReferencePixels& pixels,
                       {},
                       state.gain,
                       state.b,
-                      camera.f,
+                      camera.center_z(),
                       camera.FocalLengthPx(),
                       camera.c.x(),
                       camera.c.y(),

@@ -43,8 +43,8 @@ HWY_INLINE void StoreOverPose(
 
 // ScaledProjection::OverInverseDepth, with (dX, dY, dZ) those of X by the inverse depth.
 template <class V>
-HWY_INLINE V OverInverseDepth(V over_X, V over_Y, V over_Z, V dX, V dY, V dZ, V f) {
-  return hn::MulAdd(over_X, dX, hn::MulAdd(over_Y, dY, hn::Mul(over_Z, hn::Sub(dZ, f))));
+HWY_INLINE V OverInverseDepth(V over_X, V over_Y, V over_Z, V dX, V dY, V dZ, V center_z) {
+  return hn::MulAdd(over_X, dX, hn::MulAdd(over_Y, dY, hn::Mul(over_Z, hn::Sub(dZ, center_z))));
 }
 
 }  // namespace HWY_NAMESPACE

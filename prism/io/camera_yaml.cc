@@ -67,6 +67,12 @@ PlenopticCamera ReadPlenoptic(const std::string& path, YamlSection& section) {
   camera.raw_principal_point = section.Vector<2>("principal_point_px", "[x, y] in raw px");
   camera.focused_scale =
       section.ValueOr("focused_scale", camera.focused_scale, "raw width / focused width");
+  constexpr char kFocusedImages[] = "virtual_points or chief_rays";
+  const std::string focused_image =
+      section.ValueOr("focused_image", std::string(ToString(camera.focused_image)), kFocusedImages);
+  if (!ParseFocusedImage(focused_image, &camera.focused_image)) {
+    throw InputError(path, "the focused_image '" + focused_image + "'", kFocusedImages);
+  }
   camera.adjust_micro_lens_centers = section.ValueOr(
       "adjust_micro_lens_centers", camera.adjust_micro_lens_centers, "true or false");
   if (section.Has("distortion")) {
@@ -161,6 +167,9 @@ std::string CameraYaml(const PlenopticCamera& camera) {
       << "focused_scale: " << camera.focused_scale << "\n"
       << "adjust_micro_lens_centers: " << (camera.adjust_micro_lens_centers ? "true" : "false")
       << "\n";
+  if (camera.focused_image != FocusedImage::kVirtualPoints) {
+    out << "focused_image: " << ToString(camera.focused_image) << "\n";
+  }
   if (!d.IsZero()) {
     out << "distortion: {A0_per_mm2: " << 1e-6 * d.A0 << ", A1_per_mm4: " << 1e-12 * d.A1
         << ", B0_per_mm: " << 1e-3 * d.B0 << ", B1_per_mm: " << 1e-3 * d.B1 << "}\n";

@@ -19,7 +19,7 @@ namespace prism {
 namespace {
 
 constexpr const char* kFormat = "prism_map";
-constexpr int kVersion = 1;
+constexpr int kVirtualPoints = 1, kChiefRays = 2;  // versions
 constexpr int kDescriptorSize = 32;
 
 std::string ImageName(int id) {
@@ -59,6 +59,10 @@ void WritePlace(const MappedPlace& known, cv::FileStorage* file) {
         << "features" << features << "descriptors" << place.descriptors << "}";
 }
 
+int VersionOf(const PlenopticProjection& camera) {
+  return camera.image == FocusedImage::kChiefRays ? kChiefRays : kVirtualPoints;
+}
+
 // Reads the nodes of one file; everything throws InputError.
 class MapReader {
  public:
@@ -77,10 +81,9 @@ class MapReader {
     std::string format;
     if (file_.isOpened()) file_["format"] >> format;
     if (format != kFormat) throw InputError(path_, "a file of another format", kFormat);
-    const int version = Integer(file_.root(), "version");
-    if (version != kVersion) {
-      throw InputError(
-          path_, "version " + std::to_string(version), "version " + std::to_string(kVersion));
+    version_ = Integer(file_.root(), "version");
+    if (version_ != kVirtualPoints && version_ != kChiefRays) {
+      throw InputError(path_, "version " + std::to_string(version_), "version 1 or 2");
     }
   }
 
@@ -90,6 +93,11 @@ class MapReader {
     const int height = Integer(node, "focused_height_px");
     const double f_px = Real(node, "focal_length_px");
     const Eigen::Vector2d c(Real(node, "principal_point_x_px"), Real(node, "principal_point_y_px"));
+    if (version_ != VersionOf(camera)) {
+      throw InputError(path_,
+                       version_ == kChiefRays ? "images of chief rays" : "images of virtual points",
+                       "images as this run's (prism_vo --focused_image)");
+    }
     constexpr double kTolerance = 0.01;
     if (width == camera.width && height == camera.height &&
         std::abs(f_px / camera.FocalLengthPx() - 1) <= kTolerance &&
@@ -222,6 +230,7 @@ class MapReader {
   std::string folder_;
   std::string path_;
   cv::FileStorage file_;
+  int version_ = 0;
 };
 
 }  // namespace
@@ -231,7 +240,7 @@ void WriteMap(const std::string& folder,
               const std::vector<MappedPlace>& places) {
   CreateDirectory(InFolder(folder, "images"));
   cv::FileStorage file("map.yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
-  file << "format" << kFormat << "version" << kVersion;
+  file << "format" << kFormat << "version" << VersionOf(camera);
   file << "camera"
        << "{"
        << "focused_width_px" << camera.width << "focused_height_px" << camera.height

@@ -13,7 +13,7 @@ namespace prism {
 // A map kept for later runs: a folder with `images/ID.jpg`, the places' images as they are held,
 // and `map.yml`, which OpenCV's FileStorage reads in any language:
 //
-//   format: "prism_map"   version: 1
+//   format: "prism_map"   version: 1 (images of virtual points) or 2 (of chief rays)
 //   camera: focused_width_px, focused_height_px, focal_length_px, principal_point_x_px, _y_px
 //   places: a list of
 //     id, time_ns (text), image (relative to the folder),
@@ -28,8 +28,8 @@ void WriteMap(const std::string& folder,
               const std::vector<MappedPlace>& places);
 
 // Throws InputError if the folder holds no such map, or one of another version, or of another
-// camera: the focused images must have the same size, the focal length in px must be the same to
-// 1 %, and the principal point to 1 % of the width.
+// camera: the focused images must have the same size and show the same (FocusedImage), the focal
+// length in px must be the same to 1 %, and the principal point to 1 % of the width.
 std::vector<MappedPlace> ReadMap(const std::string& folder, const PlenopticProjection& camera);
 
 }  // namespace prism

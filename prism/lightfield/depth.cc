@@ -303,6 +303,14 @@ DepthEstimator::Estimated DepthEstimator::MoveToTexture(const PreparedRaw& raw,
   return estimated;
 }
 
+Eigen::Vector2f DepthEstimator::ToPixel(int i, int j, const Estimated& estimated) const {
+  if (estimated.w == 0) return Eigen::Vector2f::Zero();
+  const Eigen::Vector2f node(static_cast<float>(NodePixel(i)), static_cast<float>(NodePixel(j)));
+  const Eigen::Vector2f raw_px =
+      RawPosition(node.x(), node.y()) + static_cast<float>(scale_) * estimated.shift;
+  return (lenses_.PixelOf(raw_px, estimated.w) - raw_px) / static_cast<float>(scale_);
+}
+
 float DepthEstimator::Reach(float w) const {
   constexpr float kSigmas = 2.4f;          // of a patch
   constexpr float kLeast = 6, kMost = 10;  // focused px
@@ -323,10 +331,11 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
   tbb::parallel_for(0, nodes_.height(), [&](int j) {
     for (int i = 0; i < nodes_.width(); ++i) {
       const Estimated estimated = RefineFromSeeds(raw, NodePixel(i), NodePixel(j));
+      const Eigen::Vector2f shift = estimated.shift + ToPixel(i, j, estimated);
       nodes_.depth(i, j) = estimated.w;
       nodes_.sigma(i, j) = estimated.sigma;
-      nodes_.shift_x(i, j) = estimated.shift.x();
-      nodes_.shift_y(i, j) = estimated.shift.y();
+      nodes_.shift_x(i, j) = shift.x();
+      nodes_.shift_y(i, j) = shift.y();
       nodes_.reach(i, j) = Reach(estimated.w);
     }
   });

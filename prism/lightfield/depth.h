@@ -111,6 +111,9 @@ class DepthEstimator {
   Estimated MoveToTexture(const PreparedRaw& raw,
                           const Eigen::Vector2f& raw_px,
                           Estimated estimated) const;
+  // From where the texture of a node lies, a virtual point, to the pixel of the focused image that
+  // shows it; focused px.
+  Eigen::Vector2f ToPixel(int i, int j, const Estimated& estimated) const;
   float Reach(float w) const;  // DepthNodes
 
   int width_, height_, scale_;

@@ -3,6 +3,7 @@
 #include "prism/lightfield/focused_image.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
@@ -44,14 +45,17 @@ void RenderFocusedImage(const PlenopticCamera& camera,
     int around[kMaxLenses];
     alignas(64) float sharpness[kMaxTypes][kResampleLanes];
     VirtualPointRun run;
-    run.Y = (static_cast<float>(y) + 0.5f) * scale - 0.5f;
     float last = 0;
     for (int start = 0; start < width; start += kResampleLanes) {
       float lowest = 1, highest = 0;
       for (int i = 0; i < kResampleLanes; ++i) {
         const int x = std::min(start + i, width - 1);
-        run.X[i] = (static_cast<float>(x) + 0.5f) * scale - 0.5f;
         const float w = dense_inverse_virtual_depth(x, y);
+        const Eigen::Vector2f focused_px(static_cast<float>(x), static_cast<float>(y));
+        const Eigen::Vector2f point =
+            lenses.VirtualPoint((focused_px.array() + 0.5f) * scale - 0.5f, w);
+        run.X[i] = point.x();
+        run.Y[i] = point.y();
         run.w[i] = lenses.Magnification(w);
         lowest = std::min(lowest, w);
         highest = std::max(highest, w);
@@ -59,8 +63,10 @@ void RenderFocusedImage(const PlenopticCamera& camera,
           sharpness[type][i] = types == 1 ? 1.0f : TypeSharpness(grid, type, w);
         }
       }
+      const auto [left, right] = std::minmax_element(std::begin(run.X), std::end(run.X));
+      const auto [top, bottom] = std::minmax_element(std::begin(run.Y), std::end(run.Y));
       const int count = lenses.LensesAround(
-          run.X[0], run.X[kResampleLanes - 1], run.Y, lowest, highest, radius, kMaxLenses, around);
+          *left, *right, *top, *bottom, lowest, highest, radius, kMaxLenses, around);
       alignas(64) float sum[kResampleLanes] = {};
       alignas(64) float weight[kResampleLanes] = {};
       for (int k = 0; k < count; ++k) {

@@ -59,13 +59,15 @@ LensTable::LensTable(const PlenopticCamera& camera)
   for (const MicroLensType& type : grid.types) {
     focus_of_type_.push_back(static_cast<float>(type.FocusInverseVirtualDepth()));
   }
-  principal_x_ = static_cast<float>(camera.raw_principal_point.x());
-  principal_y_ = static_cast<float>(camera.raw_principal_point.y());
+  principal_ = camera.raw_principal_point.cast<float>();
   eq8_scale_ =
       camera.adjust_micro_lens_centers
           ? static_cast<float>(camera.main_lens_mla_distance /
                                (camera.main_lens_mla_distance + camera.sensor_mla_distance))
           : 1.0f;
+  is_of_chief_rays_ = camera.focused_image == FocusedImage::kChiefRays;
+  scale_at_array_ = static_cast<float>(camera.main_lens_mla_distance / camera.focal_length);
+  scale_per_v_ = static_cast<float>(camera.sensor_mla_distance / camera.focal_length);
   const Eigen::Vector2d origin = grid.MicroImageCenter({0, 0}, width_, height_);
   Eigen::Matrix2d basis;
   basis << grid.MicroImageCenter({1, 0}, width_, height_) - origin,
@@ -166,8 +168,7 @@ std::vector<int> LensTable::NeighboursOf(int lens, float max_baseline_px) const 
 Eigen::Vector2f LensTable::ChiefRay(float X, float Y, float w) const {
   const float m = Magnification(w);
   const float to_chief = m / ((m + 1 / eq8_scale_ - 1) * eq8_scale_);
-  return {principal_x_ + (X - principal_x_) * to_chief,
-          principal_y_ + (Y - principal_y_) * to_chief};
+  return to_chief * (Eigen::Vector2f(X, Y) - principal_) + principal_;
 }
 
 float LensTable::Reach(float w, float max_radius_px) const {
@@ -190,15 +191,23 @@ const std::vector<LensTable::Offset>& LensTable::OffsetsAround(const Eigen::Vect
 
 int LensTable::LensesAround(float X0,
                             float X1,
-                            float Y,
+                            float Y0,
+                            float Y1,
                             float w0,
                             float w1,
                             float max_radius_px,
                             int max_count,
                             int* lenses) const {
-  const Eigen::Vector2f corners[] = {
-      ChiefRay(X0, Y, w0), ChiefRay(X1, Y, w0), ChiefRay(X0, Y, w1), ChiefRay(X1, Y, w1)};
-  const Eigen::Vector2f center = 0.25f * (corners[0] + corners[1] + corners[2] + corners[3]);
+  const Eigen::Vector2f corners[] = {ChiefRay(X0, Y0, w0),
+                                     ChiefRay(X1, Y0, w0),
+                                     ChiefRay(X0, Y1, w0),
+                                     ChiefRay(X1, Y1, w0),
+                                     ChiefRay(X0, Y0, w1),
+                                     ChiefRay(X1, Y0, w1),
+                                     ChiefRay(X0, Y1, w1),
+                                     ChiefRay(X1, Y1, w1)};
+  Eigen::Vector2f center = Eigen::Vector2f::Zero();
+  for (const Eigen::Vector2f& corner : corners) center += 0.125f * corner;
   float extent = 0;
   for (const Eigen::Vector2f& corner : corners) {
     extent = std::max(extent, (corner - center).norm());

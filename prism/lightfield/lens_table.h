@@ -60,6 +60,18 @@ class LensTable {
   // The magnification of micro images at 1/v: 1/v, or -1/v in a Keplerian camera.
   float Magnification(float inverse_virtual_depth) const { return sign_ * inverse_virtual_depth; }
 
+  // The virtual point at 1/v that a pixel of the focused image shows, and back; undistorted raw px.
+  // They are the same in images of virtual points; in those of chief rays, their distances from the
+  // principal point are as b_L to f_L.
+  Eigen::Vector2f VirtualPoint(const Eigen::Vector2f& pixel, float inverse_virtual_depth) const {
+    if (!is_of_chief_rays_) return pixel;
+    return VirtualScale(inverse_virtual_depth) * (pixel - principal_) + principal_;
+  }
+  Eigen::Vector2f PixelOf(const Eigen::Vector2f& virtual_point, float inverse_virtual_depth) const {
+    if (!is_of_chief_rays_) return virtual_point;
+    return (virtual_point - principal_) / VirtualScale(inverse_virtual_depth) + principal_;
+  }
+
   // Variance in x and in y of the spot of a point out of focus by 1 in 1/v, px^2: a quarter of the
   // squared radius of a micro lens.
   float DefocusVariance() const;
@@ -82,11 +94,12 @@ class LensTable {
   std::vector<int> NeighboursOf(int lens, float max_baseline_px) const;
 
   // Indices of lenses among which are all that see, within `max_radius_px` of their micro-image
-  // centres, a virtual point (X, Y, 1/v) with X in [X0, X1] and 1/v in [w0, w1]. Returns their
-  // number, at most max_count.
+  // centres, a virtual point (X, Y, 1/v) with X in [X0, X1], Y in [Y0, Y1] and 1/v in [w0, w1].
+  // Returns their number, at most max_count.
   int LensesAround(float X0,
                    float X1,
-                   float Y,
+                   float Y0,
+                   float Y1,
                    float w0,
                    float w1,
                    float max_radius_px,
@@ -116,6 +129,8 @@ class LensTable {
   };
   static constexpr int kCells = 8;  // a side of the lattice cell, for lists of lenses by distance
 
+  // b_L / f_L
+  float VirtualScale(float w) const { return scale_at_array_ + scale_per_v_ / Magnification(w); }
   int IndexOf(int i, int j) const {
     if (i < min_i_ || j < min_j_ || i >= min_i_ + size_i_ || j >= min_j_ + size_j_) return -1;
     return index_[static_cast<size_t>(j - min_j_) * size_i_ + (i - min_i_)];
@@ -145,9 +160,11 @@ class LensTable {
   float radius_px_, pitch_px_;
   float sign_;  // PlenopticCamera::virtual_depth_sign
   std::vector<float> focus_of_type_;
-  float principal_x_, principal_y_;
-  float eq8_scale_;         // k: c_ML - c = k (c_I - c)
-  Eigen::Vector2f origin_;  // c_I of lens (0, 0)
+  Eigen::Vector2f principal_;
+  float eq8_scale_;                     // k: c_ML - c = k (c_I - c)
+  bool is_of_chief_rays_;               // PlenopticCamera::focused_image
+  float scale_at_array_, scale_per_v_;  // of b_L / f_L = (b_L0 + sign v B) / f_L
+  Eigen::Vector2f origin_;              // c_I of lens (0, 0)
   Eigen::Matrix2f lattice_from_px_;
   int min_i_ = 0, min_j_ = 0, size_i_ = 0, size_j_ = 0;
   std::vector<int> index_;  // of lens (i, j), -1 if there is none

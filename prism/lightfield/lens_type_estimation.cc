@@ -9,6 +9,7 @@
 #include <glog/logging.h>
 #include <Eigen/Dense>
 
+#include "prism/camera/projection.h"
 #include "prism/lightfield/camera_trial.h"
 
 namespace prism {
@@ -55,18 +56,14 @@ bool GradientEnergy(
 // Of points that lenses of all three lattices see.
 void AddFrame(const LightFieldProcessor& processor, const LightFieldFrame& frame, Bins* bins) {
   const LensTable& lenses = processor.lenses();
-  const double scale = processor.camera().focused_scale;
   LensView views[LensTable::kMaxViews];
   for (int y = 0; y < frame.sigma.height(); ++y) {
     for (int x = 0; x < frame.sigma.width(); ++x) {
       const float w = frame.inverse_virtual_depth(x, y);
       if (frame.sigma(x, y) == 0 || w >= kBins * kBinWidth) continue;
-      const int count = lenses.ViewsOf(static_cast<float>((x + 0.5) * scale - 0.5),
-                                       static_cast<float>((y + 0.5) * scale - 0.5),
-                                       w,
-                                       lenses.radius_px() - 2,
-                                       3,
-                                       views);
+      const Eigen::Vector2f point = lenses.VirtualPoint(
+          RawFromFocused(processor.camera(), Eigen::Vector2d(x, y)).cast<float>(), w);
+      const int count = lenses.ViewsOf(point.x(), point.y(), w, lenses.radius_px() - 2, 3, views);
       Energies sum{}, views_of{};
       for (int k = 0; k < count; ++k) {
         const int colour = lenses.lenses()[views[k].lens].colour;

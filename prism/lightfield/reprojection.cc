@@ -63,7 +63,7 @@ ReprojectionError MeasureReprojection(const PlenopticCamera& camera,
       float last_step = 0;
       for (int iteration = 0; iteration < kIterations; ++iteration) {
         const Eigen::Vector2f X = (p - center) / lenses.Magnification(w) + center;
-        const Eigen::Vector2f next = (X.array() + 0.5f) / scale - 0.5f;
+        const Eigen::Vector2f next = (lenses.PixelOf(X, w).array() + 0.5f) / scale - 0.5f;
         last_step = (next - focused).norm();
         focused = next;
         if (!image.view().Contains(focused.x(), focused.y(), 1)) break;

@@ -74,7 +74,7 @@ void ResampleLensImpl(const Lens& lens,
   for (size_t lane = 0; lane < kResampleLanes; lane += hn::Lanes(d)) {
     const auto w = hn::Load(d, run.w + lane);
     const auto ex = hn::Sub(hn::Load(d, run.X + lane), set(lens.lens_x));
-    const auto ey = set(run.Y - lens.lens_y);
+    const auto ey = hn::Sub(hn::Load(d, run.Y + lane), set(lens.lens_y));
     const auto mx = hn::MulAdd(ex, w, set(lens.lens_x - lens.center_x));
     const auto my = hn::MulAdd(ey, w, set(lens.lens_y - lens.center_y));
     const auto squared = hn::MulAdd(mx, mx, hn::Mul(my, my));

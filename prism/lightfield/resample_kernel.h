@@ -9,11 +9,11 @@ namespace prism {
 
 inline constexpr int kResampleLanes = 8;  // virtual points of a run
 
-// Neighbouring virtual points (X[i], Y), raw px, with their LensTable::Magnification w[i].
+// Neighbouring virtual points (X[i], Y[i]), raw px, with their LensTable::Magnification w[i].
 struct VirtualPointRun {
   alignas(64) float X[kResampleLanes];
+  alignas(64) float Y[kResampleLanes];
   alignas(64) float w[kResampleLanes];
-  float Y;
 };
 
 // Adds to `sum` and `weight` of each point of the run what one lens sees of it: its raw image,

@@ -93,14 +93,14 @@ std::optional<FeaturePose> EstimateFeaturePose(const PlenopticProjection& camera
                                                const Place& known,
                                                const std::vector<FeatureMatch>& matches,
                                                int min_inliers) {
-  std::vector<cv::Point3d> points;  // about the front focal point
+  std::vector<cv::Point3d> points;  // about the centre of projection
   std::vector<cv::Point2d> pixels;
   for (const FeatureMatch& match : matches) {
     const Place::Feature& feature = known.features[match.known];
     if (feature.rho <= 0) continue;
     const Eigen::Vector3d p_in_cam =
         UnprojectInverseDepth(camera, Eigen::Vector2d(feature.x, feature.y), feature.rho);
-    points.emplace_back(p_in_cam.x(), p_in_cam.y(), p_in_cam.z() - camera.f);
+    points.emplace_back(p_in_cam.x(), p_in_cam.y(), p_in_cam.z() - camera.center_z());
     pixels.emplace_back(query.features[match.query].x, query.features[match.query].y);
   }
   if (static_cast<int>(points.size()) < std::max(min_inliers, 4)) return std::nullopt;
@@ -149,10 +149,9 @@ std::optional<FeaturePose> EstimateFeaturePose(const PlenopticProjection& camera
   }
   if (!turn.allFinite() || !t.allFinite()) return std::nullopt;
   const SE3 rotation = SE3::Exp(turn);
-  const SE3 cam_from_focal_point(Eigen::Quaterniond::Identity(), {0, 0, camera.f});
+  const SE3 cam_from_center(Eigen::Quaterniond::Identity(), {0, 0, camera.center_z()});
   FeaturePose pose;
-  pose.query_from_known =
-      cam_from_focal_point * SE3(rotation.rotation(), t) * cam_from_focal_point.Inverse();
+  pose.query_from_known = cam_from_center * SE3(rotation.rotation(), t) * cam_from_center.Inverse();
   pose.inliers = inliers.rows;
   return pose;
 }

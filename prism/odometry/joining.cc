@@ -42,8 +42,8 @@ std::array<Eigen::Vector3d, 5> ViewPoints(double depth) {
 bool JoiningOptions::IsValid(std::string* error) const {
   if (!match.IsValid(error)) return false;
   if (max_places >= 2 && min_agreeing >= 1 && max_flow > 0 && max_flow_of_motion >= 0 &&
-      settling_keyframes >= 0 && min_loop_keyframes >= 0 && max_loop_drift > 0 && max_loop_offset_m > 0 &&
-      max_loop_rotation > 0) {
+      settling_keyframes >= 0 && min_loop_keyframes >= 0 && max_loop_drift > 0 &&
+      max_loop_offset_m > 0 && max_loop_rotation > 0) {
     return true;
   }
   *error =
@@ -97,8 +97,7 @@ std::optional<SE3> FitSegment(const Map& map, int segment, const std::vector<Sig
     return AlignPoints(in_segment, in_world, false).target_from_source.rigid;
   };
   const auto distance = [&](const Sighting& sighting, const SE3& world_from_segment) {
-    const SE3 shift =
-        sighting.cam_from_world * world_from_segment * segment_from_cam(sighting);
+    const SE3 shift = sighting.cam_from_world * world_from_segment * segment_from_cam(sighting);
     double sum = 0;
     for (const Eigen::Vector3d& p_in_cam : ViewPoints(sighting.depth)) {
       sum += (shift * p_in_cam - p_in_cam).norm();

@@ -72,9 +72,9 @@ struct Sighting {
   double depth = 1;  // median of what it shows, m
 };
 
-// world_from_segment for which keyframes and what lies before them, at `depth`, are nearest to where
-// they were found; those that are off by more than three times the median are left out. Nothing for
-// fewer than three.
+// world_from_segment for which keyframes and what lies before them, at `depth`, are nearest to
+// where they were found; those that are off by more than three times the median are left out.
+// Nothing for fewer than three.
 std::optional<SE3> FitSegment(const Map& map, int segment, const std::vector<Sighting>& sightings);
 
 // Whether a match within a piece of the map is one that the drift since allows. `keyframe_id`: that

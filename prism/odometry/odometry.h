@@ -69,7 +69,8 @@ struct FrameResult {
   // Of keyframes whose window was optimised: all but the first of a segment.
   KeyframeResult keyframe;
   std::optional<JoinedSegment> joined;  // with this keyframe
-  bool has_settled = false;  // its segment, joined before, was moved to where this keyframe says too
+  bool has_settled =
+      false;  // its segment, joined before, was moved to where this keyframe says too
 };
 
 // Metric visual odometry from plenoptic frames. The first frame is a keyframe whose points take

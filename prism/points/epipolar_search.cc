@@ -78,7 +78,7 @@ EpipolarSearchResult SearchEpipolarLine(const PlenopticProjection& camera,
   // D(rho_min).
   const auto denominator = [&](double rho) {
     const Eigen::Vector3d ray = ScaledRay(camera, patch.px, rho);
-    return (target_from_host.R * ray + rho * target_from_host.t).z() - rho * camera.f;
+    return (target_from_host.R * ray + rho * target_from_host.t).z() - rho * camera.center_z();
   };
   const double k = denominator(rho_max) / denominator(rho_min);
   // Most things are far: of a long line, that end (as in DSO).

@@ -182,6 +182,8 @@ void BindCamera(py::module_* module) {
                                const PlenopticProjection p(c);
                                return py::make_tuple(p.FocalLengthPx(), p.c.x(), p.c.y());
                              })
+      .def_property_readonly(
+          "pinhole_z", [](const PlenopticCamera& c) { return PlenopticProjection(c).center_z(); })
       .def("project", &ProjectAll, py::arg("points"))
       .def("unproject", &UnprojectAll, py::arg("pixels"));
 }

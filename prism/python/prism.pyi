@@ -39,8 +39,11 @@ class Camera:
     def has_micro_lens_grid(self) -> bool: ...
     @property
     def pinhole(self) -> tuple[float, float, float]:
-        """Focal length and principal point in px of the pinhole that the focused image is; it
-        stands at the front focal point, (0, 0, focal_length) in the camera's frame."""
+        """Focal length and principal point in px of the pinhole that the focused image is."""
+    @property
+    def pinhole_z(self) -> float:
+        """It stands at (0, 0, pinhole_z) in the camera's frame: in the main lens, or at its front
+        focal point, as `prism_vo --focused_image` says."""
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """n x 3 in the camera's frame to n x (px, px, 1/v); NaN at or inside the focal length."""
     def unproject(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -82,6 +82,7 @@ RawInput OpenRawInput(const RawInputOptions& options) {
   RawInput input;
   input.options = LightFieldOptionsOf(options);
   input.camera = ReadPlenopticCamera(options.camera);
+  input.camera.focused_image = options.focused_image;
   if (!options.micro_lens_grid.empty()) {
     AddMicroLensGrid(options.micro_lens_grid, &input.camera);
   }

@@ -35,6 +35,7 @@ struct RawInputOptions {
   bool focus_colour = false;    // LightFieldFrame::colour of colour and Bayer frames as well
   double rate_hz = 0;           // of frames without a list (FindFrameFiles)
   bool skip_missing = false;    // files that are missing are no error before they are read
+  FocusedImage focused_image = FocusedImage::kVirtualPoints;  // that frames are turned into
 };
 
 // Frames of a sequence that are looked at where a camera's files leave something open.

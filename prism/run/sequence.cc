@@ -58,6 +58,11 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
   if (options.threads < 0 || options.threads > kMaxThreads) {
     return bad("threads", options.threads, "0 (one a core) to " + std::to_string(kMaxThreads));
   }
+  FocusedImage focused_image;
+  if (!ParseFocusedImage(options.focused_image, &focused_image)) {
+    return BadOption{
+        "focused_image", "'" + options.focused_image + "'", "virtual_points or chief_rays"};
+  }
   if (!(options.rate_hz >= 0 && options.rate_hz < 1e6)) {
     return bad("rate_hz", options.rate_hz, "0 (by the names) or more");
   }
@@ -106,8 +111,9 @@ Layout OpenRgbd(const SequenceOptions& options) {
   RgbdLayoutOptions layout_options;
   layout_options.depth_factor = options.depth_factor;
   if (!options.pinhole.empty()) layout_options.pinhole = ParsePinhole(options.pinhole);
-  const PlenopticCamera lens =
+  PlenopticCamera lens =
       options.camera.empty() ? StandInCamera() : ReadMetricCamera(options.camera);
+  lens.focused_image = FocusedImage::kVirtualPoints;  // whatever raw frames are turned into
   auto reader = std::make_shared<const RgbdSequence>(
       options.sequence, lens, options.rgbd, layout_options, options.skip_missing);
   Layout layout;
@@ -155,6 +161,8 @@ LightFieldFrame BlankFrame(const PlenopticCamera& camera, int64_t time_ns) {
 }
 
 Layout OpenRaw(const SequenceOptions& options) {
+  FocusedImage focused_image;
+  CHECK(ParseFocusedImage(options.focused_image, &focused_image));
   RawInput input = OpenRawInput({options.sequence,
                                  options.camera,
                                  options.micro_lens_grid,
@@ -163,7 +171,8 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.threads,
                                  options.focus_colour,
                                  options.rate_hz,
-                                 options.skip_missing});
+                                 options.skip_missing,
+                                 focused_image});
   RequireMetricDepth(input.camera, options.camera);
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);

@@ -36,7 +36,8 @@ struct SequenceOptions {
   std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
   int threads = 0;              // that process a frame; 0: one a core
   bool focus_colour = false;    // LightFieldFrame::colour as well, at the price of three images
-  double rate_hz = 0;           // of frames without a list; 0: times in their names, else 10
+  std::string focused_image = "chief_rays";  // or virtual_points (FocusedImage)
+  double rate_hz = 0;  // of frames without a list; 0: times in their names, else 10
 
   RgbdConversionOptions rgbd;  // of RGB-D frames
   std::string pinhole;         // see ParsePinhole; empty: calibration.txt

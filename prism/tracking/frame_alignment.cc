@@ -56,13 +56,13 @@ int NumLevels(const TrackingReference& reference, const ImagePyramid& target) {
   return static_cast<int>(std::min(target.size(), reference.levels.size()));
 }
 
-// Projects the pixel's point moved by a motion; false at or inside the focal length.
+// Projects the pixel's point moved by a motion; false at or behind the centre of projection.
 bool ProjectPixel(const ReferencePixel& sample,
                   double rho,
                   const PlenopticProjection& camera,
                   const RigidMotion& motion,
                   Eigen::Vector2d* px) {
-  const double k = 1 - rho * camera.f;
+  const double k = 1 - rho * camera.center_z();
   const Eigen::Vector3d ray(sample.m.x() * k, sample.m.y() * k, 1);
   ScaledProjection::Pixel pixel;
   if (!ScaledProjection(camera).Project(motion.R * ray + rho * motion.t, rho, &pixel)) {

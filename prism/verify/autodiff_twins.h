@@ -51,6 +51,14 @@ void InverseTransformPoint(const T* pose, const T* x, T* transformed) {
   ceres::QuaternionRotatePoint(conjugate_wxyz, shifted, transformed);
 }
 
+// From the main lens to the plane on which the chief ray of a point meets its pixel: that of its
+// virtual image (Eq. (2)), or in images of chief rays that of infinitely far points.
+template <typename T>
+T ImageDistanceTwin(const PlenopticProjection& camera, const T& rho) {
+  if (camera.image == FocusedImage::kChiefRays) return T(camera.f);
+  return 1.0 / (1.0 / camera.f - rho);
+}
+
 // Eqs. (17), (15), (2), (10): a host pixel at a depth to the target's pixel (u, v).
 // `target_from_host` maps a point; it stands for two poses or one.
 template <typename T, typename Transform>
@@ -62,15 +70,15 @@ void ProjectTwin(const PlenopticProjection& camera,
                  T* u,
                  T* v) {
   const T z = 1.0 / rho;
-  const T b_L_host = 1.0 / (1.0 / camera.f - rho);
-  const T x_host[3] = {z / b_L_host * (x_V - camera.c.x()) * camera.s,
-                       z / b_L_host * (y_V - camera.c.y()) * camera.s,
+  const T b_host = ImageDistanceTwin(camera, rho);
+  const T x_host[3] = {z / b_host * (x_V - camera.c.x()) * camera.s,
+                       z / b_host * (y_V - camera.c.y()) * camera.s,
                        z};
   T x_target[3];
   target_from_host(x_host, x_target);
-  const T b_L = 1.0 / (1.0 / camera.f - 1.0 / x_target[2]);
-  *u = x_target[0] / x_target[2] * b_L / camera.s + camera.c.x();
-  *v = x_target[1] / x_target[2] * b_L / camera.s + camera.c.y();
+  const T b = ImageDistanceTwin(camera, 1.0 / x_target[2]);
+  *u = x_target[0] / x_target[2] * b / camera.s + camera.c.x();
+  *v = x_target[1] / x_target[2] * b / camera.s + camera.c.y();
 }
 
 // Eq. (20) for a pattern. Where `gradient` is given, the target image is replaced by a plane with

@@ -358,7 +358,7 @@ class Checker {
     const Eigen::Vector3d x_C(0.3, -0.2, 2.5);
     Eigen::Vector3d x_V;
     Eigen::Matrix3d J_x;
-    if (!Project(camera_, x_C, &x_V, &J_x)) return;
+    if (camera_.image != FocusedImage::kVirtualPoints || !Project(camera_, x_C, &x_V, &J_x)) return;
     const Eigen::Matrix<double, 3, 6> J = J_x * PointPoseJacobian(x_C);
     const double z = x_C.z();
     const double f = camera_.f;

@@ -34,6 +34,12 @@ PlenopticCamera ErrataCamera() {
   return camera;
 }
 
+PlenopticCamera OfChiefRays() {
+  PlenopticCamera camera = Camera16mm();
+  camera.focused_image = FocusedImage::kChiefRays;
+  return camera;
+}
+
 class ProjectionInMode : public ::testing::TestWithParam<MicroLensMode> {};
 
 INSTANTIATE_TEST_SUITE_P(Modes,
@@ -128,7 +134,8 @@ TEST_P(ProjectionInMode, InverseVirtualDepthVariancePropagatesThereAndBack) {
 }
 
 TEST(ProjectionJacobian, OfProjectMatchesNumericDifferences) {
-  for (const PlenopticCamera& model : {ErrataCamera(), Camera16mm(MicroLensMode::kKeplerian)}) {
+  for (const PlenopticCamera& model :
+       {ErrataCamera(), Camera16mm(MicroLensMode::kKeplerian), OfChiefRays()}) {
     const PlenopticProjection camera(model);
     const Eigen::Vector3d x_C(0.3, -0.2, 2.5);
     Eigen::Vector3d x_V;
@@ -168,7 +175,7 @@ TEST_P(ProjectionInMode, ProjectBetweenFramesWorksAtInfinity) {
 TEST(ScaledProjection, JacobiansMatchNumericDifferences) {
   std::mt19937_64 generator = SeededGenerator(13, 0);
   const PlenopticCamera keplerian = Camera16mm(MicroLensMode::kKeplerian);
-  for (const PlenopticCamera& model : {Camera16mm(), ErrataCamera(), keplerian}) {
+  for (const PlenopticCamera& model : {Camera16mm(), ErrataCamera(), keplerian, OfChiefRays()}) {
     const PlenopticProjection camera(model);
     const ScaledProjection projection(camera);
     for (int i = 0; i < 20; ++i) {
@@ -195,13 +202,35 @@ TEST(ScaledProjection, JacobiansMatchNumericDifferences) {
           2e-8);
       const Eigen::Vector2d m = (px - camera.c) * (camera.s / camera.f);
       const Eigen::Vector3d dX =
-          motion.t - camera.f * (motion.R * Eigen::Vector3d(m.x(), m.y(), 0));
+          motion.t - camera.center_z() * (motion.R * Eigen::Vector3d(m.x(), m.y(), 0));
       EXPECT_LT(MixedError(Eigen::MatrixXd::Constant(1, 1, projection.OverInverseDepth(over_X, dX)),
                            NumericJacobian([&](const Eigen::VectorXd& r) { return value(T, r(0)); },
                                            Eigen::VectorXd::Constant(1, rho))),
                 2e-8);
     }
   }
+}
+
+TEST(ProjectionOfChiefRays, IsAPinholeImageFromTheMainLens) {
+  const PlenopticProjection virtual_points(Camera16mm());
+  const PlenopticProjection camera(OfChiefRays());
+  for (const double z : {0.3, 1.5, 20.0}) {
+    const Eigen::Vector3d x_C(0.3 * z, -0.2 * z, z);
+    Eigen::Vector3d x_V, of_virtual_point;
+    ASSERT_TRUE(Project(camera, x_C, &x_V));
+    const Eigen::Vector2d pinhole = camera.FocalLengthPx() / z * x_C.head<2>() + camera.c;
+    EXPECT_LT((x_V.head<2>() - pinhole).norm(), 1e-9);
+    EXPECT_LT((UnprojectInverseDepth(camera, x_V.head<2>(), 1 / z) - x_C).norm(), 1e-9 * z);
+    // Depth and what lies infinitely far are those of virtual points.
+    ASSERT_TRUE(Project(virtual_points, x_C, &of_virtual_point));
+    EXPECT_EQ(x_V.z(), of_virtual_point.z());
+    EXPECT_NEAR((of_virtual_point.x() - camera.c.x()) / (x_V.x() - camera.c.x()),
+                z / (z - camera.f),
+                1e-12);
+  }
+  Eigen::Vector3d x_V;
+  EXPECT_FALSE(Project(camera, {0, 0, camera.f}, &x_V));
+  EXPECT_FALSE(ProjectBetweenFrames(camera, {500, 500}, 1 / camera.f, SE3(), &x_V));
 }
 
 TEST(ProjectBetweenFrames, TheEpipolarCurveIsAStraightLine) {

@@ -34,7 +34,7 @@ inline LightFieldFrame ViewOfWall(const PlenopticProjection& camera,
   ImageF image(camera.width, camera.height);
   frame.inverse_virtual_depth = ImageF(camera.width, camera.height, 0);
   frame.sigma = ImageF(camera.width, camera.height, 0);
-  const SE3 world_from_pinhole = WorldFromFocalPoint(camera, world_from_cam);
+  const SE3 world_from_pinhole = WorldFromPinhole(camera, world_from_cam);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector2d m = (Eigen::Vector2d(x, y) - camera.c) / camera.FocalLengthPx();
@@ -68,7 +68,7 @@ inline ExportRun SampleRun() {
     EncodeFrame(ViewOfWall(run.camera, keyframe.world_from_cam, 0.85 + 0.05 * i), &keyframe);
     run.trajectory.push_back({keyframe.time_ns, keyframe.world_from_cam});
     run.trajectory.push_back({keyframe.time_ns + 100000000, SE3::Exp(motion * 1.01)});
-    const SE3 pinhole = WorldFromFocalPoint(run.camera, keyframe.world_from_cam);
+    const SE3 pinhole = WorldFromPinhole(run.camera, keyframe.world_from_cam);
     for (int y = 30; y < run.camera.height - 30; y += 20) {
       for (int x = 30; x < run.camera.width - 30; x += 20) {
         const Eigen::Vector2d px(x, y);

@@ -109,7 +109,8 @@ TEST(MapFile, WhatIsNoMapOfThisCameraIsRefused) {
     Replace(file, from, to);
     ExpectRefused(folder, Camera(), text);
   };
-  with("version: 1", "version: 2", "version 2");
+  with("version: 1", "version: 2", "images of chief rays");
+  with("version: 1", "version: 3", "version 3");
   with("prism_map", "other_map", "another format");
   with("%YAML", "%NOTHING", "another format");
   with("id: 4", "id: 3", "two places of id 3");

@@ -137,7 +137,7 @@ TEST(LensTable, LensesAroundHoldAllViewsOfTheirPoints) {
       const float w1 = std::min(w0 + 0.05f * part(generator), 0.5f);
       constexpr int kMaxLenses = 400;
       int around[kMaxLenses];
-      const int count = table.LensesAround(X0, X1, Y, w0, w1, 10, kMaxLenses, around);
+      const int count = table.LensesAround(X0, X1, Y, Y, w0, w1, 10, kMaxLenses, around);
       LensView views[LensTable::kMaxViews];
       const float X = X0 + (X1 - X0) * part(generator);
       const float w = w0 + (w1 - w0) * part(generator);

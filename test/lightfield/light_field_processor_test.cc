@@ -16,6 +16,7 @@
 #include "prism/io/focused_sequence.h"
 #include "prism/io/raw_sequence.h"
 #include "prism/lightfield/depth_accuracy.h"
+#include "prism/lightfield/focused_image.h"
 #include "test/lightfield/synthetic_frame.h"
 
 namespace prism {
@@ -176,6 +177,78 @@ TEST(Processor, LongLensesAreSearchedCloserToTheCameraThanShortOnes) {
   told.min_inverse_virtual_depth = 0.2;
   EXPECT_EQ(searched_from(camera, told), 0.2);
   EXPECT_EQ(searched_from(SmallCamera(320, MicroLensMode::kKeplerian)), 0.1);
+}
+
+// Mean absolute difference of a focused image of chief rays from the texture on a plane at 1/v = w.
+double ErrorOfChiefRays(const PlenopticCamera& camera, double w, const ImageF& image) {
+  const Eigen::Vector2d c = camera.raw_principal_point;
+  const double virtual_scale =
+      (camera.main_lens_mla_distance + camera.sensor_mla_distance / w) / camera.focal_length;
+  double sum = 0;
+  for (int y = 30; y < 130; ++y) {
+    for (int x = 30; x < 130; ++x) {
+      const Eigen::Vector2d X = (RawFromFocused(camera, {x, y}) - c) * virtual_scale + c;
+      sum += std::abs(image(x, y) / 0.99 - WavyTexture(X.x(), X.y()));
+    }
+  }
+  return sum / 10000;
+}
+
+TEST(Processor, ImagesOfChiefRaysShowThePlaneAndItsDepthWhereThePinholeInTheMainLensDoes) {
+  PlenopticCamera camera = SmallCamera();
+  // Off the image: what is displaced along chief rays is so by many px.
+  camera.raw_principal_point = {-180, 430};
+  camera.focused_image = FocusedImage::kChiefRays;
+  for (const double w : {0.2, 0.28, 0.36}) {
+    LightFieldProcessor processor(camera, White(camera), {});
+    const LightFieldFrame frame =
+        processor.Process(Frame(RenderPlane(camera, w, WavyTexture, 1.5, true)));
+    EXPECT_LT(ErrorOfChiefRays(camera, w, frame.image[0]), 6) << w;
+    int measured = 0;
+    double sum = 0;
+    for (size_t i = 0; i < frame.sigma.size(); ++i) {
+      if (frame.sigma.data()[i] == 0) continue;
+      sum += frame.inverse_virtual_depth.data()[i] - w;
+      ++measured;
+    }
+    EXPECT_GT(measured, 6000) << w;
+    EXPECT_NEAR(sum / measured, 0, 0.001) << w;
+  }
+}
+
+// The reason for them: depth is known to some per cent.
+TEST(FocusedImage, OfChiefRaysIsNotDisplacedByDepthTakenWrongly) {
+  constexpr double kTrue = 0.3, kTaken = 0.33;
+  PlenopticCamera camera = SmallCamera();
+  camera.raw_principal_point = {-180, 430};
+  const auto error = [&](FocusedImage image) {
+    camera.focused_image = image;
+    const LensTable lenses(camera);
+    RawPreparation preparation(lenses, White(camera), {});
+    PreparedRaw prepared;
+    preparation.Prepare(RenderPlane(camera, kTrue, WavyTexture, 0, true), &prepared);
+    const int width = camera.focused_width(), height = camera.focused_height();
+    ImageF right, wrong;
+    RenderFocusedImage(camera,
+                       lenses,
+                       prepared.gray,
+                       prepared.lens_colour,
+                       ImageF(width, height, static_cast<float>(kTrue)),
+                       &right);
+    RenderFocusedImage(camera,
+                       lenses,
+                       prepared.gray,
+                       prepared.lens_colour,
+                       ImageF(width, height, static_cast<float>(kTaken)),
+                       &wrong);
+    double sum = 0;
+    for (int y = 30; y < 130; ++y) {
+      for (int x = 30; x < 130; ++x) sum += std::abs(right(x, y) - wrong(x, y));
+    }
+    return sum / 10000;
+  };
+  EXPECT_GT(error(FocusedImage::kVirtualPoints), 8);
+  EXPECT_LT(error(FocusedImage::kChiefRays), 2);
 }
 
 TEST(Processor, FrameWithoutTextureHasAnImageAndNoDepth) {

@@ -69,11 +69,13 @@ TEST(ResampleKernel, EqualsItsDefinitionPointByPoint) {
     alignas(64) float weight[kResampleLanes];
     // From the left rim of the micro image over the right one.
     const float w0 = depth(generator);
-    run.Y = lens.lens_y + (lens.center_y - lens.lens_y + 14 * (part(generator) - 0.5f)) / w0;
+    const float Y =
+        lens.lens_y + (lens.center_y - lens.lens_y + 14 * (part(generator) - 0.5f)) / w0;
     for (int i = 0; i < kResampleLanes; ++i) {
       run.w[i] = w0 + 0.002f * part(generator);
       const float m = 3.2f * (static_cast<float>(i) - 3.5f) + part(generator);
       run.X[i] = lens.lens_x + (lens.center_x - lens.lens_x + m) / w0;
+      run.Y[i] = Y + part(generator);
       sharpness[i] = 0.5f + part(generator);
       sum[i] = 3;
       weight[i] = 2;
@@ -81,7 +83,7 @@ TEST(ResampleKernel, EqualsItsDefinitionPointByPoint) {
     ResampleLens(lens, raw, colours, radius, run, sharpness, sum, weight);
     for (int i = 0; i < kResampleLanes; ++i) {
       const Sample expected =
-          Resample(lens, raw, colours, radius, run.X[i], run.Y, run.w[i], sharpness[i]);
+          Resample(lens, raw, colours, radius, run.X[i], run.Y[i], run.w[i], sharpness[i]);
       if (expected.weight == 0) {
         EXPECT_EQ(weight[i], 2) << "lens " << lens.i << ", " << lens.j << ", point " << i;
         EXPECT_EQ(sum[i], 3);

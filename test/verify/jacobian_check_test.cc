@@ -27,12 +27,21 @@ PlenopticCamera KeplerianCamera() {
   return camera;
 }
 
+PlenopticCamera OfChiefRays() {
+  PlenopticCamera camera = TestCamera();
+  camera.focused_image = FocusedImage::kChiefRays;
+  return camera;
+}
+
 class JacobiansOf : public ::testing::TestWithParam<PlenopticCamera> {};
 
 INSTANTIATE_TEST_SUITE_P(Modes,
                          JacobiansOf,
-                         ::testing::Values(TestCamera(), KeplerianCamera()),
-                         [](const auto& test) { return std::string(ToString(test.param.mode)); });
+                         ::testing::Values(TestCamera(), KeplerianCamera(), OfChiefRays()),
+                         [](const auto& test) {
+                           return std::string(ToString(test.param.mode)) + "_" +
+                                  ToString(test.param.focused_image);
+                         });
 
 TEST_P(JacobiansOf, AllResidualsAgreeWithAutodiffAndNumericDifferences) {
   const JacobianCheckResult result = CheckJacobians(GetParam(), MakeDefaultTerms({}), {});
