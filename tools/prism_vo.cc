@@ -68,8 +68,8 @@ DEFINE_string(colour,
               "Of raw frames: auto, gray, colour, bayer_rggb, _bggr, _grbg, _gbrg.");
 DEFINE_string(focused_image,
               "chief_rays",
-              "What raw frames are turned into: an image of chief_rays, which depth taken wrongly "
-              "does not displace, or of virtual_points.");
+              "What raw and focused frames are turned into: images of chief_rays, which depth "
+              "taken wrongly does not displace, or of virtual_points.");
 DEFINE_bool(focus_colour,
             false,
             "Points in colour, of colour and Bayer raw frames; takes three focused images more.");

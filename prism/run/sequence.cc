@@ -18,6 +18,7 @@
 #include "prism/io/raw_sequence.h"
 #include "prism/io/rgbd_sequence.h"
 #include "prism/io/video_file.h"
+#include "prism/lightfield/chief_rays.h"
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/run/folder_contents.h"
 #include "prism/run/raw_input.h"
@@ -133,11 +134,15 @@ Layout OpenFocused(const SequenceOptions& options) {
       std::make_shared<const FocusedSequence>(options.sequence, camera, options.skip_missing);
   Layout layout;
   layout.camera = camera;
+  // What they show cannot be had back from images of chief rays.
+  const bool is_to_be_turned = camera.focused_image == FocusedImage::kVirtualPoints &&
+                               options.focused_image == ToString(FocusedImage::kChiefRays);
+  if (is_to_be_turned) layout.camera.focused_image = FocusedImage::kChiefRays;
   layout.report = {Format("frames: %d of focused.txt", reader->size())};
   layout.times_ns = TimesOf(*reader);
-  layout.read = [reader](int index, StageTimer* timer) {
+  layout.read = [reader, camera, is_to_be_turned](int index, StageTimer* timer) {
     const StageTimer::Scope scope(timer, kReadImage);
-    return reader->Read(index);
+    return is_to_be_turned ? ToChiefRays(camera, reader->Read(index)) : reader->Read(index);
   };
   return layout;
 }

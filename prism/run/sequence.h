@@ -30,14 +30,17 @@ struct SequenceOptions {
   std::string camera;
   std::string format;  // "raw", "focused" or "rgbd"; empty: by what the folder holds
 
+  // Of raw and focused frames: what they are turned into, chief_rays or virtual_points
+  // (FocusedImage). Focused frames that show chief rays stay as they are.
+  std::string focused_image = "chief_rays";
+
   // Of raw frames.
   std::string micro_lens_grid;  // file; empty: the camera file's own grid
   std::string white_image;      // file; empty: the folder's white.png, else none
   std::string colour = "auto";  // auto, gray, colour, bayer_rggb, _bggr, _grbg or _gbrg
   int threads = 0;              // that process a frame; 0: one a core
   bool focus_colour = false;    // LightFieldFrame::colour as well, at the price of three images
-  std::string focused_image = "chief_rays";  // or virtual_points (FocusedImage)
-  double rate_hz = 0;  // of frames without a list; 0: times in their names, else 10
+  double rate_hz = 0;           // of frames without a list; 0: times in their names, else 10
 
   RgbdConversionOptions rgbd;  // of RGB-D frames
   std::string pinhole;         // see ParsePinhole; empty: calibration.txt

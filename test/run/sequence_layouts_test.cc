@@ -42,6 +42,13 @@ TEST(SequenceOfFocusedFrames, ComesBackAsWritten) {
   EXPECT_EQ(sequence.camera().focused_width(), 96);
   for (const float value : {20.0f, 10.0f, 0.0f}) EXPECT_EQ(sequence.Next()->image[0](5, 5), value);
   EXPECT_EQ(sequence.timer().Summarize().at("read image").count, 3);
+  EXPECT_EQ(sequence.camera().focused_image, FocusedImage::kChiefRays);
+  options.focused_image = "virtual_points";
+  EXPECT_EQ(Sequence(options).camera().focused_image, FocusedImage::kVirtualPoints);
+  options.focused_image = "rays";
+  std::string error;
+  EXPECT_FALSE(options.IsValid(&error));
+  EXPECT_EQ(error, "focused_image of 'rays', expected virtual_points or chief_rays");
 }
 
 TEST(SequenceOfRawFrames, IsTurnedIntoDepthAndFocusedImages) {
