@@ -63,7 +63,7 @@ TEST(ResampleKernel, EqualsItsDefinitionPointByPoint) {
   const float radius = 10;
   int seen = 0, unseen = 0, masked = 0;
   for (const Lens& lens : table.lenses()) {
-    VirtualPointRun run;
+    VirtualPointRun run{};
     alignas(64) float sharpness[kResampleLanes];
     alignas(64) float sum[kResampleLanes];
     alignas(64) float weight[kResampleLanes];
