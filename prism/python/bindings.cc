@@ -15,6 +15,7 @@
 #include "prism/camera/projection.h"
 #include "prism/io/camera_file.h"
 #include "prism/io/trajectory_file.h"
+#include "prism/lightfield/chief_rays.h"
 #include "prism/lightfield/light_field_processor.h"
 #include "prism/odometry/odometry.h"
 #include "prism/python/evaluation.h"
@@ -100,32 +101,45 @@ class PythonOdometry {
                  std::optional<py::array> white,
                  int threads,
                  int window_keyframes,
-                 int active_points)
-      : camera_(camera), white_(std::move(white)), threads_(threads) {
+                 int active_points,
+                 const std::string& focused_image)
+      : frames_camera_(camera), camera_(camera), white_(std::move(white)), threads_(threads) {
+    FocusedImage image;
+    if (!ParseFocusedImage(focused_image, &image)) {
+      throw py::value_error("focused_image: expected virtual_points or chief_rays");
+    }
+    if (camera.focused_image == FocusedImage::kVirtualPoints) camera_.focused_image = image;
     OdometryOptions options;
     options.window.solve.threads = threads;
     options.window.max_keyframes = window_keyframes;
     options.window.max_points = active_points;
     std::string error;
     if (!options.IsValid(&error)) throw py::value_error(error);
-    odometry_ = std::make_unique<Odometry>(camera, options);
+    odometry_ = std::make_unique<Odometry>(camera_, options);
   }
 
   FrameResult Process(const FloatArray& image,
                       const FloatArray& inverse_virtual_depth,
                       const FloatArray& sigma,
                       double time) {
-    return ProcessFrame(MakeFrame(camera_, Nanoseconds(time), image, inverse_virtual_depth, sigma));
+    return ProcessFrame(
+        MakeFrame(frames_camera_, Nanoseconds(time), image, inverse_virtual_depth, sigma));
   }
 
+  // As the camera given has them.
   FrameResult ProcessFrame(LightFieldFrame frame) {
     const py::gil_scoped_release release;
+    if (frames_camera_.focused_image != camera_.focused_image) {
+      frame = ToChiefRays(frames_camera_, frame);
+    }
     return odometry_->Process(std::move(frame));
   }
 
   FrameResult ProcessRaw(const py::array& image, double time) {
     if (!light_field_) light_field_ = std::make_unique<LightField>(camera_, white_, threads_);
-    return ProcessFrame(light_field_->Process(image, time));
+    LightFieldFrame frame = light_field_->Process(image, time);
+    const py::gil_scoped_release release;
+    return odometry_->Process(std::move(frame));
   }
 
   py::array_t<double> TrajectoryRows() const { return ArrayOf(odometry_->FrameTrajectory()); }
@@ -153,7 +167,8 @@ class PythonOdometry {
   }
 
  private:
-  PlenopticCamera camera_;
+  PlenopticCamera frames_camera_;  // as given
+  PlenopticCamera camera_;         // of what is tracked
   std::optional<py::array> white_;
   int threads_;
   std::unique_ptr<Odometry> odometry_;
@@ -257,12 +272,13 @@ void BindOdometry(py::module_* module) {
         return MatrixOf(r.state.pose().Inverse());
       });
   py::class_<PythonOdometry>(*module, "Odometry")
-      .def(py::init<const PlenopticCamera&, std::optional<py::array>, int, int, int>(),
+      .def(py::init<const PlenopticCamera&, std::optional<py::array>, int, int, int, std::string>(),
            py::arg("camera"),
            py::arg("white") = py::none(),
            py::arg("threads") = 2,
            py::arg("window_keyframes") = 8,
-           py::arg("active_points") = 2000)
+           py::arg("active_points") = 2000,
+           py::arg("focused_image") = "chief_rays")
       .def("process",
            &PythonOdometry::Process,
            py::arg("image"),

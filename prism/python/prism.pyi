@@ -106,7 +106,10 @@ class FrameResult:
 
 class Odometry:
     def __init__(self, camera: Camera, white: Optional[NDArray] = None, threads: int = 2,
-                 window_keyframes: int = 8, active_points: int = 2000) -> None: ...
+                 window_keyframes: int = 8, active_points: int = 2000,
+                 focused_image: str = "chief_rays") -> None:
+        """Raw frames become images of chief rays, and so do focused ones whose camera says that
+        they show virtual points; focused_image="virtual_points" leaves them."""
     def process(self, image: NDArray, inverse_virtual_depth: NDArray, sigma: NDArray,
                 time: float) -> FrameResult:
         """A focused frame; 0 in both depth and sigma where nothing was measured."""

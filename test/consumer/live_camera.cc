@@ -19,7 +19,8 @@
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
   try {
-    const prism::PlenopticCamera camera = prism::ReadMetricCamera(argv[1]);
+    prism::PlenopticCamera camera = prism::ReadMetricCamera(argv[1]);
+    camera.focused_image = prism::FocusedImage::kChiefRays;  // the better one, as in prism_vo
     prism::LightFieldProcessor light_field(camera, prism::ReadWhiteImage(argv[2], camera), {});
     prism::Odometry odometry(camera, prism::OdometryOptions());
     for (std::string path; std::getline(std::cin, path);) {

@@ -109,6 +109,16 @@ def main():
             check(result.world_from_cam.shape == (4, 4), "no matrix")
         odometry.write_trajectory(str(root / "arrays.txt"))
         check_same_bytes(root / "arrays.txt", root / "focused_vo")
+        # Their images of virtual points as they are.
+        run("prism_vo", f"--sequence={focused}", "--threads=1", "--focused_image=virtual_points",
+            f"--output_dir={root}/virtual_vo")
+        virtual = prism.Odometry(camera, threads=1, focused_image="virtual_points")
+        for time, image, depth, sigma in read_focused(focused):
+            virtual.process(image, depth, sigma, time)
+        virtual.write_trajectory(str(root / "virtual.txt"))
+        check_same_bytes(root / "virtual.txt", root / "virtual_vo")
+        check(camera.pinhole_z == camera.focal_length and prism.Sequence(str(raw)).camera.pinhole_z == 0,
+              "not where the pinhole stands")
         check(odometry.trajectory.shape == (FRAMES, 8), f"{odometry.trajectory.shape}")
         positions, colours, sigmas = odometry.points
         check(len(positions) == len(colours) == len(sigmas) > 500, f"{len(positions)} points")
