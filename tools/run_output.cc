@@ -201,6 +201,11 @@ void PrintRun(const std::string& folder, const RunRecord& record, const Odometry
   if (disagreeing > 0) {
     std::printf("%d frames match the images, but not the depths they measure: not taken\n",
                 disagreeing);
+    if (record.camera.focused_image == FocusedImage::kChiefRays) {
+      std::printf(
+          "  if the camera's b_L0 is a guess, calibrate it (prism_calibrate), or try "
+          "--focused_image=virtual_points\n");
+    }
   }
   if (poor + not_solved > 0) {
     std::printf("of the keyframes' windows %d fit poorly, %d could not be solved (run.json)\n",
