@@ -102,8 +102,7 @@ ExitStatus Run() {
   if (FLAGS_samples < 1) throw InputError("--samples", std::to_string(FLAGS_samples), "1 or more");
   FocusedImage focused_image;
   if (!ParseFocusedImage(FLAGS_focused_image, &focused_image)) {
-    throw InputError(
-        "--focused_image", "'" + FLAGS_focused_image + "'", "virtual_points or chief_rays");
+    throw OptionError("focused_image", "'" + FLAGS_focused_image + "'", kFocusedImages);
   }
   bool all_agree = true;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();

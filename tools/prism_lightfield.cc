@@ -87,11 +87,6 @@ void ApplyFlags(LightFieldOptions* changed) {
 }
 
 RawInputOptions InputOptions() {
-  FocusedImage focused_image;
-  if (!ParseFocusedImage(FLAGS_focused_image, &focused_image)) {
-    throw InputError(
-        "--focused_image", "'" + FLAGS_focused_image + "'", "virtual_points or chief_rays");
-  }
   return {FLAGS_raw,
           FLAGS_camera,
           FLAGS_micro_lens_grid,
@@ -101,7 +96,7 @@ RawInputOptions InputOptions() {
           FLAGS_focus_colour,
           /*rate_hz=*/0,
           /*skip_missing=*/false,
-          focused_image};
+          FocusedImageOf(FLAGS_focused_image)};
 }
 
 // Camera and grid that were not given, and a line about each.

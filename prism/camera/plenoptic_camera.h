@@ -32,6 +32,7 @@ enum class FocusedImage {
 };
 
 const char* ToString(FocusedImage image);  // "virtual_points", "chief_rays"
+inline constexpr char kFocusedImages[] = "virtual_points or chief_rays";
 // False if the name is none of them.
 bool ParseFocusedImage(const std::string& name, FocusedImage* image);
 

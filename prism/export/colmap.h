@@ -9,7 +9,7 @@
 namespace prism {
 
 // FOLDER/colmap: a model of COLMAP, as text (cameras.txt, images.txt, points3D.txt), and the
-// keyframes' images in images/. One PINHOLE camera at the front focal point (WorldFromPinhole);
+// keyframes' images in images/. One PINHOLE camera, where WorldFromPinhole puts it;
 // metres; COLMAP's pixel coordinates begin at the corner of the first pixel, ours at its centre.
 // Points have the observations of FindTracks and stand where these meet (Triangulate), which is
 // what other software takes for granted; those that only their host shows are left out. Returns one

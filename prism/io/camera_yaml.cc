@@ -67,7 +67,6 @@ PlenopticCamera ReadPlenoptic(const std::string& path, YamlSection& section) {
   camera.raw_principal_point = section.Vector<2>("principal_point_px", "[x, y] in raw px");
   camera.focused_scale =
       section.ValueOr("focused_scale", camera.focused_scale, "raw width / focused width");
-  constexpr char kFocusedImages[] = "virtual_points or chief_rays";
   const std::string focused_image =
       section.ValueOr("focused_image", std::string(ToString(camera.focused_image)), kFocusedImages);
   if (!ParseFocusedImage(focused_image, &camera.focused_image)) {

@@ -32,7 +32,7 @@ struct FeaturePose {
 };
 
 // Pose of the query from the depths of the known place and the pixels of the query, by RANSAC. The
-// focused image is a pinhole image seen from the front focal point (PlenopticProjection). Nothing
+// focused image is a pinhole image (PlenopticProjection::center_z). Nothing
 // if fewer than `min_inliers` matches agree.
 std::optional<FeaturePose> EstimateFeaturePose(const PlenopticProjection& camera,
                                                const Place& query,

@@ -69,8 +69,8 @@ struct FrameResult {
   // Of keyframes whose window was optimised: all but the first of a segment.
   KeyframeResult keyframe;
   std::optional<JoinedSegment> joined;  // with this keyframe
-  bool has_settled =
-      false;  // its segment, joined before, was moved to where this keyframe says too
+  // Its segment, joined before, was moved to where this keyframe says as well.
+  bool has_settled = false;
 };
 
 // Metric visual odometry from plenoptic frames. The first frame is a keyframe whose points take

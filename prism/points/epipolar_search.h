@@ -40,8 +40,8 @@ struct EpipolarSearchResult {
 
 // Finds the inverse depth in [rho_min, rho_max] at which a host patch matches a target image best:
 // a scan along the epipolar curve of the plenoptic projection, then Gauss-Newton on the photometric
-// residual Eq. (20). With the focused image's centre of projection at the front focal point the
-// curve is a straight line (see PlenopticProjection), walked by equal steps in pixels.
+// residual Eq. (20). As the focused image is a pinhole image (PlenopticProjection), the
+// curve is a straight line, walked by equal steps in pixels.
 EpipolarSearchResult SearchEpipolarLine(const PlenopticProjection& camera,
                                         const PhotometricPatch& patch,
                                         const FramePair& pair,

@@ -106,7 +106,7 @@ class PythonOdometry {
       : frames_camera_(camera), camera_(camera), white_(std::move(white)), threads_(threads) {
     FocusedImage image;
     if (!ParseFocusedImage(focused_image, &image)) {
-      throw py::value_error("focused_image: expected virtual_points or chief_rays");
+      throw py::value_error(std::string("focused_image: expected ") + kFocusedImages);
     }
     if (camera.focused_image == FocusedImage::kVirtualPoints) camera_.focused_image = image;
     OdometryOptions options;

@@ -63,6 +63,14 @@ void RequireItsColour(const RawFrame& frame, const RawInputOptions& options) {
 
 bool IsRawColour(const std::string& colour) { return PixelsOf(colour).has_value(); }
 
+FocusedImage FocusedImageOf(const std::string& name) {
+  FocusedImage image;
+  if (!ParseFocusedImage(name, &image)) {
+    throw OptionError("focused_image", "'" + name + "'", kFocusedImages);
+  }
+  return image;
+}
+
 LightFieldOptions LightFieldOptionsOf(const RawInputOptions& options) {
   const std::optional<RawPixels> pixels = PixelsOf(options.colour);
   if (!pixels) throw OptionError("colour", "'" + options.colour + "'", kRawColours);

@@ -38,6 +38,9 @@ struct RawInputOptions {
   FocusedImage focused_image = FocusedImage::kVirtualPoints;  // that frames are turned into
 };
 
+// By its name; throws OptionError for another one.
+FocusedImage FocusedImageOf(const std::string& name);
+
 // Frames of a sequence that are looked at where a camera's files leave something open.
 inline constexpr int kFramesToLookAt = 6;
 

@@ -61,8 +61,7 @@ std::optional<BadOption> FindBadOption(const SequenceOptions& options) {
   }
   FocusedImage focused_image;
   if (!ParseFocusedImage(options.focused_image, &focused_image)) {
-    return BadOption{
-        "focused_image", "'" + options.focused_image + "'", "virtual_points or chief_rays"};
+    return BadOption{"focused_image", "'" + options.focused_image + "'", kFocusedImages};
   }
   if (!(options.rate_hz >= 0 && options.rate_hz < 1e6)) {
     return bad("rate_hz", options.rate_hz, "0 (by the names) or more");
@@ -136,7 +135,7 @@ Layout OpenFocused(const SequenceOptions& options) {
   layout.camera = camera;
   // What they show cannot be had back from images of chief rays.
   const bool is_to_be_turned = camera.focused_image == FocusedImage::kVirtualPoints &&
-                               options.focused_image == ToString(FocusedImage::kChiefRays);
+                               FocusedImageOf(options.focused_image) == FocusedImage::kChiefRays;
   if (is_to_be_turned) layout.camera.focused_image = FocusedImage::kChiefRays;
   layout.report = {Format("frames: %d of focused.txt", reader->size())};
   layout.times_ns = TimesOf(*reader);
@@ -166,8 +165,6 @@ LightFieldFrame BlankFrame(const PlenopticCamera& camera, int64_t time_ns) {
 }
 
 Layout OpenRaw(const SequenceOptions& options) {
-  FocusedImage focused_image;
-  CHECK(ParseFocusedImage(options.focused_image, &focused_image));
   RawInput input = OpenRawInput({options.sequence,
                                  options.camera,
                                  options.micro_lens_grid,
@@ -177,7 +174,7 @@ Layout OpenRaw(const SequenceOptions& options) {
                                  options.focus_colour,
                                  options.rate_hz,
                                  options.skip_missing,
-                                 focused_image});
+                                 FocusedImageOf(options.focused_image)});
   RequireMetricDepth(input.camera, options.camera);
   auto reader = std::make_shared<const RawSequence>(std::move(*input.sequence));
   auto processor = std::make_shared<LightFieldProcessor>(input.camera, input.white, input.options);
