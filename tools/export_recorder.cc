@@ -64,10 +64,10 @@ std::string ExportRecorder::Write(const std::string& folder,
         play_order.InFileTimes({{keyframe.time_ns, SE3()}}).front().time_ns;
     ids.insert(keyframe.id);
   }
-  for (const MapPoint& point : odometry.MapPoints()) {
-    if (ids.count(point.keyframe_id) == 0) continue;
+  map.ForEachPoint(odometry.window(), [&](const MapPoint& point) {
+    if (ids.count(point.keyframe_id) == 0) return;
     run.points.push_back({point.p_in_world, point.rgb, point.keyframe_id, point.px, point.sigma_m});
-  }
+  });
   return WriteExports(formats_, folder, run);
 }
 

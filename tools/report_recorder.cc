@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -256,17 +257,16 @@ RunReport ReportRecorder::Finish(const RunRecord& record,
   report.wall_seconds = record.wall_seconds;
   report.processor_seconds = record.processor_seconds;
   report.peak_resident_mib = PeakResidentMib();
-  report.frames = frames_;
+  report.frames = std::move(frames_);
   report.trajectory = odometry.FrameTrajectory();
   if (odometry.map().Pieces().size() > 1) report.pieces = odometry.map().PiecesOfFrames();
-  for (auto& [id, entry] : keyframes_) {
-    TakePictures(true, &entry);
-    report.keyframes.push_back(entry.keyframe);
-  }
-  for (const MapPoint& point : odometry.MapPoints()) {
-    report.cloud.push_back({point.p_in_world.cast<float>(), point.rgb});
-  }
+  for (auto& [id, entry] : keyframes_) TakePictures(true, &entry);
   report.dense = FuseDepthMaps(record, odometry.map());
+  for (auto& [id, entry] : keyframes_) report.keyframes.push_back(std::move(entry.keyframe));
+  report.cloud.reserve(odometry.map().CountPoints(odometry.window()));
+  odometry.map().ForEachPoint(odometry.window(), [&](const MapPoint& point) {
+    report.cloud.push_back({point.p_in_world.cast<float>(), point.rgb});
+  });
   const PlenopticProjection camera(record.camera);
   report.view_x = 0.5 * camera.width / camera.FocalLengthPx();
   report.view_y = 0.5 * camera.height / camera.FocalLengthPx();

@@ -33,7 +33,7 @@ class ReportRecorder {
   // What has come since the last call, for LiveView; poses are those of the moment.
   RunUpdate TakeUpdate();
 
-  // The report of a finished run. `groundtruth` may be empty.
+  // The report of a finished run, after which there is no more to add. `groundtruth` may be empty.
   RunReport Finish(const RunRecord& record,
                    const Odometry& odometry,
                    const Trajectory& groundtruth);

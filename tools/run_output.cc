@@ -7,6 +7,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <ostream>
 #include <vector>
 
 #include "prism/base/error.h"
@@ -22,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// File names need not be UTF-8.
-constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
 constexpr char kPiecePrefix[] = "trajectory_segment";
 
 // Of an earlier run, or of an earlier moment of this one.
@@ -33,11 +32,12 @@ void RemovePieces(const std::string& folder) {
   }
 }
 
-std::vector<PlyPoint> PlyPoints(const std::vector<MapPoint>& map_points) {
+std::vector<PlyPoint> PlyPoints(const Map& map, const Window& window) {
   std::vector<PlyPoint> points;
-  for (const MapPoint& point : map_points) {
+  points.reserve(map.CountPoints(window));
+  map.ForEachPoint(window, [&](const MapPoint& point) {
     points.push_back({point.p_in_world.cast<float>(), point.rgb});
-  }
+  });
   return points;
 }
 
@@ -174,10 +174,12 @@ void WriteRun(const std::string& folder,
               const Odometry& odometry,
               const PlayOrder& play_order) {
   DoAll({[&] { WritePoses(folder, odometry, play_order); },
-         [&] { WritePly(InFolder(folder, "points.ply"), PlyPoints(odometry.MapPoints())); },
          [&] {
-           WriteTextAtomically(InFolder(folder, "run.json"),
-                               RunToJson(record).dump(1, ' ', false, kReplace) + "\n");
+           WritePly(InFolder(folder, "points.ply"), PlyPoints(odometry.map(), odometry.window()));
+         },
+         [&] {
+           WriteStreamAtomically(InFolder(folder, "run.json"),
+                                 [&](std::ostream& stream) { WriteJson(record, stream); });
          }});
 }
 
@@ -241,7 +243,7 @@ void WriteClosedMap(const std::string& folder,
                   play_order.InFileTimes(map.FrameTrajectory()));
   WriteTrajectory(InFolder(folder, "keyframes_closed.txt"),
                   play_order.InFileTimes(map.KeyframeTrajectory()));
-  WritePly(InFolder(folder, "points_closed.ply"), PlyPoints(map.Points(odometry.window())));
+  WritePly(InFolder(folder, "points_closed.ply"), PlyPoints(map, odometry.window()));
   std::printf("%d views of places seen before close loops (*_closed.*)\n", loops);
   if (groundtruth.empty()) return;
   const TrajectoryMetrics before = EvaluateTrajectory(groundtruth, odometry.FrameTrajectory(), {});

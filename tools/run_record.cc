@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ostream>
+
+#include <nlohmann/json.hpp>
 
 #include "prism/base/statistics.h"
 #include "prism/base/version.h"
@@ -14,6 +17,9 @@
 
 namespace prism {
 namespace {
+
+// File names need not be UTF-8.
+constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
 
 nlohmann::ordered_json KeyframeToJson(const KeyframeResult& keyframe) {
   const SolveResult& solve = keyframe.optimization.solve;
@@ -192,7 +198,10 @@ double PeakResidentMib() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-nlohmann::ordered_json RunToJson(const RunRecord& record) {
+namespace {
+
+// Without its frames.
+nlohmann::ordered_json SummaryToJson(const RunRecord& record) {
   nlohmann::ordered_json json;
   const int tracked = CountTracked(record.frames);
   json["status"] = tracked == 0                                        ? "lost"
@@ -239,16 +248,33 @@ nlohmann::ordered_json RunToJson(const RunRecord& record) {
                              {"p95_ms", summary.p95_ms},
                              {"total_ms", summary.total_ms}};
   }
-  json["frames"] = nlohmann::ordered_json::array();
+  return json;
+}
+
+// All frames as values at once would take ten times as much memory as their text.
+void WriteFrames(const RunRecord& record, std::ostream& stream) {
+  stream << '[';
   size_t next_pose = 0;  // both lists are in the order of processing
   for (const FrameResult& frame : record.frames) {
     const bool has_pose = next_pose < record.trajectory.size() &&
                           record.trajectory[next_pose].time_ns == frame.time_ns;
-    json["frames"].push_back(
-        FrameToJson(frame, has_pose ? &record.trajectory[next_pose] : nullptr, record.unreadable));
+    const nlohmann::ordered_json json =
+        FrameToJson(frame, has_pose ? &record.trajectory[next_pose] : nullptr, record.unreadable);
+    if (&frame != &record.frames.front()) stream << ',';
+    stream << "\n  " << json.dump(-1, ' ', false, kReplace);
     next_pose += has_pose;
   }
-  return json;
+  stream << "\n ]";
+}
+
+}  // namespace
+
+void WriteJson(const RunRecord& record, std::ostream& stream) {
+  std::string summary = SummaryToJson(record).dump(1, ' ', false, kReplace);
+  summary.resize(summary.size() - 2);  // the end of the object
+  stream << summary << ",\n \"frames\": ";
+  WriteFrames(record, stream);
+  stream << "\n}\n";
 }
 
 }  // namespace prism

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <iosfwd>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "prism/base/stage_timer.h"
 #include "prism/camera/plenoptic_camera.h"
@@ -66,6 +65,7 @@ double ProcessorSeconds();
 // Largest resident set of this process so far, MiB.
 double PeakResidentMib();
 
-nlohmann::ordered_json RunToJson(const RunRecord& record);
+// run.json: a line for each frame, in the order they came.
+void WriteJson(const RunRecord& record, std::ostream& stream);
 
 }  // namespace prism

@@ -58,10 +58,15 @@ void WriteFileAtomically(const std::string& path,
 }
 
 void WriteTextAtomically(const std::string& path, const std::string& contents) {
+  WriteStreamAtomically(path, [&](std::ostream& stream) { stream << contents; });
+}
+
+void WriteStreamAtomically(const std::string& path,
+                           const std::function<void(std::ostream&)>& write) {
   WriteFileAtomically(path, [&](const std::string& temporary_path) {
     errno = 0;
     std::ofstream stream(temporary_path, std::ios::binary);
-    stream << contents;
+    write(stream);
     stream.close();
     if (!stream) {
       throw InputError(

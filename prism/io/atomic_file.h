@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <iosfwd>
 #include <string>
 
 namespace prism {
@@ -14,6 +15,10 @@ namespace prism {
 // not replaced. Throws InputError naming `path`.
 void WriteFileAtomically(const std::string& path,
                          const std::function<void(const std::string& temporary_path)>& write);
+
+// The same by a stream.
+void WriteStreamAtomically(const std::string& path,
+                           const std::function<void(std::ostream&)>& write);
 
 // The same for contents in memory.
 void WriteTextAtomically(const std::string& path, const std::string& contents);

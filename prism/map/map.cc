@@ -141,21 +141,34 @@ Trajectory Map::KeyframeTrajectory() const {
   return trajectory;
 }
 
-std::vector<MapPoint> Map::Points(const Window& window) const {
-  std::vector<MapPoint> points;
-  const auto add = [&](const RetiredPoint& point) {
-    points.push_back({CamFromWorld(point.keyframe_id).Inverse() * point.x_C,
-                      point.rgb,
-                      point.keyframe_id,
-                      point.px,
-                      point.rho_sigma * point.x_C.z() * point.x_C.norm()});
+void Map::ForEachPoint(const Window& window,
+                       const std::function<void(const MapPoint&)>& visit) const {
+  const auto visit_retired = [&](const RetiredPoint& point) {
+    const Eigen::Vector3d x_C = point.x_C.cast<double>();
+    visit({CamFromWorld(point.keyframe_id).Inverse() * x_C,
+           point.rgb,
+           point.keyframe_id,
+           point.px.cast<double>(),
+           point.rho_sigma * x_C.z() * x_C.norm()});
   };
-  for (const RetiredPoint& point : points_) add(point);
+  for (const RetiredPoint& point : points_) visit_retired(point);
   for (const auto& keyframe : window.keyframes) {
     for (const auto& point : keyframe->points) {
-      add(MakeRetiredPoint(window.camera, *keyframe, *point));
+      visit_retired(MakeRetiredPoint(window.camera, *keyframe, *point));
     }
   }
+}
+
+size_t Map::CountPoints(const Window& window) const {
+  size_t count = points_.size();
+  for (const auto& keyframe : window.keyframes) count += keyframe->points.size();
+  return count;
+}
+
+std::vector<MapPoint> Map::Points(const Window& window) const {
+  std::vector<MapPoint> points;
+  points.reserve(CountPoints(window));
+  ForEachPoint(window, [&](const MapPoint& point) { points.push_back(point); });
   return points;
 }
 

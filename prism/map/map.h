@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -90,7 +92,10 @@ class Map {
   // The piece of each of all tracked frames.
   std::vector<int> PiecesOfFrames() const;
   Trajectory KeyframeTrajectory() const;
-  // Points that left the window and those in it, by the last poses of their keyframes.
+  // Calls visit(point) with the points that left the window and those in it, by the last poses of
+  // their keyframes.
+  void ForEachPoint(const Window& window, const std::function<void(const MapPoint&)>& visit) const;
+  size_t CountPoints(const Window& window) const;
   std::vector<MapPoint> Points(const Window& window) const;
 
   // The keyframes moved to where all edges say they are, each piece in its world (OptimizePoses);
@@ -118,7 +123,7 @@ class Map {
   std::map<int, Segment> segments_;
   std::map<int, MapKeyframe> keyframes_;  // by id
   std::vector<TrackedFrame> frames_;
-  std::vector<RetiredPoint> points_;
+  std::deque<RetiredPoint> points_;  // no room is kept for more
   std::vector<PoseEdge> edges_;
   PlaceStore places_;
 };

@@ -187,10 +187,10 @@ RetiredPoint MakeRetiredPoint(const PlenopticProjection& camera,
                               const Keyframe& host,
                               const Point& point) {
   return {host.id,
-          UnprojectInverseDepth(camera, point.patch.px, point.rho),
-          ColourOf(host, point.patch),
-          point.patch.px,
-          point.rho_sigma};
+          UnprojectInverseDepth(camera, point.patch.px, point.rho).cast<float>(),
+          point.patch.px.cast<float>(),
+          static_cast<float>(point.rho_sigma),
+          ColourOf(host, point.patch)};
 }
 
 }  // namespace prism

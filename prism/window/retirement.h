@@ -28,13 +28,13 @@ std::vector<int> KeyframesToRetire(const WindowOptions& window_options,
                                    const RetirementOptions& options,
                                    const Window& window);
 
-// What a point was when it left, for the map.
+// What a point was when it left, for the map. There are a hundred a frame: kept small.
 struct RetiredPoint {
   int keyframe_id = 0;
-  Eigen::Vector3d x_C = Eigen::Vector3d::Zero();  // metres, in its host's camera frame
+  Eigen::Vector3f x_C = Eigen::Vector3f::Zero();  // metres, in its host's camera frame
+  Eigen::Vector2f px = Eigen::Vector2f::Zero();   // in its host, focused px
+  float rho_sigma = 0;                            // of its inverse depth, 1/m; 0: not known
   std::array<uint8_t, 3> rgb{};                   // gray where its host has no colour
-  Eigen::Vector2d px = Eigen::Vector2d::Zero();   // in its host, focused px
-  double rho_sigma = 0;                           // of its inverse depth, 1/m; 0: not known
 };
 
 struct RetirementResult {
