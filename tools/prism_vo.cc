@@ -1,6 +1,9 @@
 // SPDX-FileCopyrightText: The PRISM-VO developers
 // SPDX-License-Identifier: BSD-3-Clause
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <chrono>
@@ -282,6 +285,14 @@ void WriteOnTheWay(const std::function<void()>& write) {
   }
 }
 
+// Images that were freed among what is kept leave holes in the heap of the GNU C library, which
+// would grow as if nothing had been freed.
+void ReturnFreeMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 ExitStatus Run() {
   const SequenceOptions sequence_options = SequenceOptionsFromFlags();
   const OdometryOptions odometry_options = OptionsFromFlags();
@@ -331,6 +342,7 @@ ExitStatus Run() {
   Periodic write_all([&] {
     update_record();
     WriteOnTheWay([&] { WriteRun(FLAGS_output_dir, record, odometry, sequence.play_order()); });
+    ReturnFreeMemory();
   });
   std::exception_ptr failure;
   bool is_verdict_told = sequence.format() != "raw";
