@@ -387,11 +387,12 @@ ExitStatus Run() {
     WriteClosedMap(FLAGS_output_dir, odometry, sequence.play_order(), groundtruth);
   if (!FLAGS_save_map.empty()) SaveMap(FLAGS_save_map, odometry);
   if (!groundtruth.empty()) WriteMetrics(FLAGS_output_dir, record, odometry, groundtruth);
+  RunUpdate end;
+  if (live) end = recorder.TakeUpdate(/*is_last=*/true);
   const auto report =
-      std::make_shared<const RunReport>(recorder.Finish(record, odometry, groundtruth));
+      std::make_shared<const RunReport>(std::move(recorder).Finish(record, odometry, groundtruth));
   WriteReport((std::filesystem::path(FLAGS_output_dir) / "report.html").string(), *report);
   if (live) {
-    RunUpdate end = recorder.TakeUpdate();
     end.finished = report;
     live->Publish(std::move(end));
   }

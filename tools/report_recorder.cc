@@ -207,7 +207,7 @@ std::vector<ReportCloudPoint> ReportRecorder::FuseDepthMaps(const RunRecord& rec
   return cloud;
 }
 
-RunUpdate ReportRecorder::TakeUpdate() {
+RunUpdate ReportRecorder::TakeUpdate(bool is_last) {
   RunUpdate update;
   update.frames.assign(frames_.begin() + static_cast<std::ptrdiff_t>(frames_taken_), frames_.end());
   update.positions.assign(positions_.begin() + static_cast<std::ptrdiff_t>(positions_taken_),
@@ -216,7 +216,7 @@ RunUpdate ReportRecorder::TakeUpdate() {
   positions_taken_ = positions_.size();
   int index = 0;
   for (auto& [id, entry] : keyframes_) {
-    if (entry.has_changed && !TakePictures(false, &entry)) break;
+    if (entry.has_changed && !TakePictures(is_last, &entry)) break;
     if (entry.has_changed) {
       update.keyframes.push_back({index, entry.keyframe});
       if (entry.is_told) {  // the browser keeps them
@@ -252,7 +252,7 @@ RunReport DescribeRun(const RunRecord& record) {
 
 RunReport ReportRecorder::Finish(const RunRecord& record,
                                  const Odometry& odometry,
-                                 const Trajectory& groundtruth) {
+                                 const Trajectory& groundtruth) && {
   RunReport report = DescribeRun(record);
   report.wall_seconds = record.wall_seconds;
   report.processor_seconds = record.processor_seconds;

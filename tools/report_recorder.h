@@ -30,13 +30,14 @@ class ReportRecorder {
   // this one the last of them.
   void Add(const FrameResult& frame, const Odometry& odometry, const StageTimer& reading);
 
-  // What has come since the last call, for LiveView; poses are those of the moment.
-  RunUpdate TakeUpdate();
+  // What has come since the last call, for LiveView; poses are those of the moment. Keyframes whose
+  // pictures are not encoded yet come with a later one, unless this `is_last`.
+  RunUpdate TakeUpdate(bool is_last = false);
 
-  // The report of a finished run, after which there is no more to add. `groundtruth` may be empty.
+  // The report of a finished run. `groundtruth` may be empty.
   RunReport Finish(const RunRecord& record,
                    const Odometry& odometry,
-                   const Trajectory& groundtruth);
+                   const Trajectory& groundtruth) &&;
 
  private:
   // What is made of a keyframe's frame.

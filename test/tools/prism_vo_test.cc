@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // End-to-end runs of prism_vo and prism_check_jacobians, as a user starts them.
 
+#include <unistd.h>
+
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -166,6 +168,17 @@ TEST(PrismVo, BlackFramesAreNotTrackedAndTheRunGoesOn) {
   EXPECT_EQ(run["frames"][8]["status"], "no texture");
   EXPECT_EQ(run["frames"][10]["status"], "tracked");
   EXPECT_LT(ReadJson(folder + "/out/metrics.json")["ate_rmse_m"].get<double>(), 0.01);
+}
+
+TEST(PrismVo, ALiveRunEndsAsAnyOther) {
+  const std::string folder = FreshFolder("run");
+  RgbdFolderOptions options;
+  options.num_frames = 10;
+  WriteRgbdFolder(folder + "/sequence", options);
+  const std::string port = std::to_string(20000 + getpid() % 20000);
+  const ProgramResult result = RunVo(folder + "/sequence", folder + "/out", "--live=" + port);
+  ASSERT_EQ(result.exit_status, 0) << result.output;
+  EXPECT_TRUE(fs::exists(folder + "/out/report.html"));
 }
 
 TEST(PrismVo, EveryAblationRuns) {
