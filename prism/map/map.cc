@@ -105,6 +105,13 @@ std::map<int, int> Map::PieceOfSegments() const {
   return pieces;
 }
 
+const Place* Map::PlaceBefore(int segment, int keyframe_id) const {
+  auto place = places().lower_bound(keyframe_id);
+  if (place == places().begin()) return nullptr;
+  --place;
+  return SegmentOf(place->first) == segment ? &place->second : nullptr;
+}
+
 std::vector<MappedPlace> Map::MappedPlaces(int piece) const {
   std::vector<MappedPlace> known;
   for (const auto& [id, place] : places()) {

@@ -83,6 +83,8 @@ class Map {
   std::map<int, int> PieceOfSegments() const;
 
   const std::map<int, Place>& places() const { return places_.places(); }
+  // Of a segment, the one with the next smaller number than a keyframe; nullptr: there is none.
+  const Place* PlaceBefore(int segment, int keyframe_id) const;
   // The places of the piece of a segment in the world, to be kept for a later run.
   std::vector<MappedPlace> MappedPlaces(int piece) const;
 

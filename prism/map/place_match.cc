@@ -9,6 +9,8 @@
 #include "prism/base/statistics.h"
 #include "prism/image/interpolation.h"
 #include "prism/map/place_features.h"
+#include "prism/map/place_points.h"
+#include "prism/map/place_view.h"
 #include "prism/tracking/depth_agreement.h"
 
 namespace prism {
@@ -70,8 +72,8 @@ PlaceQuery MakePlaceQuery(const PlenopticCamera& camera,
                           const PointSelectionOptions& selection,
                           const PlaceMatchOptions& options) {
   const PlenopticProjection projection(camera);
-  const std::vector<ReferencePoint> points =
-      MeasuredPoints(projection, frame, options.query_points, selection);
+  std::vector<ReferencePoint> points;
+  AddMeasuredPoints(projection, frame, 0, options.query_points, selection, &points);
   PlaceQuery query{frame, {}, MakeTrackingReference(camera, frame.image, points)};
   query.place.median_rho = static_cast<float>(MedianInverseDepth(points));
   DetectFeatures(projection, frame, &query.place);

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "prism/map/place_view.h"
+#include "prism/points/selection.h"
+#include "prism/scene/frame.h"
 #include "prism/scene/noise_model.h"
+#include "prism/scene/place.h"
 #include "prism/tracking/frame_alignment.h"
 
 namespace prism {

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "prism/points/selection.h"
 #include "prism/scene/frame.h"
 #include "prism/scene/place.h"
 #include "prism/tracking/tracking_reference.h"
@@ -12,20 +11,11 @@
 namespace prism {
 
 // What is kept of a frame: its image, features, and points whose inverse depths are known (those of
-// the window, or MeasuredPoints). `keyframe_id` is for the caller.
+// the window, AddMeasuredPoints). `keyframe_id` is for the caller.
 Place MakePlace(const PlenopticProjection& camera,
                 int keyframe_id,
                 const LightFieldFrame& frame,
                 const std::vector<ReferencePoint>& points);
-
-// At most `count` points of a frame with the depths that it measures itself.
-std::vector<ReferencePoint> MeasuredPoints(const PlenopticProjection& camera,
-                                           const LightFieldFrame& frame,
-                                           int count,
-                                           const PointSelectionOptions& options);
-
-// 1/m; 0: there are none.
-double MedianInverseDepth(const std::vector<ReferencePoint>& points);
 
 // A place ready for alignment: frames to it, and it to frames.
 struct PlaceView {

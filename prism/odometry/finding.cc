@@ -6,6 +6,9 @@
 
 #include <glog/logging.h>
 
+#include "prism/factors/depth_offset_term.h"
+#include "prism/map/place_points.h"
+#include "prism/map/place_view.h"
 #include "prism/odometry/odometry.h"
 #include "prism/tracking/reference_points.h"
 
@@ -42,7 +45,7 @@ RecoveryResult Odometry::RecoverInWindow(const LightFieldFrame& frame) {
           MakePlaceQuery(camera_, frame, options_.activation.selection, options_.joining.match),
           target_from_reference,
           window_.noise,
-          PersistentDepthOffset(window_.newest()),
+          ExpectedDepthOffset(),
           options_.tracker.alignment,
           options_.joining.match)) {
     match.reference = nullptr;
@@ -53,7 +56,7 @@ RecoveryResult Odometry::RecoverInWindow(const LightFieldFrame& frame) {
   return match;
 }
 
-std::optional<SE3> Odometry::Recognize(const LightFieldFrame& frame) {
+std::optional<Odometry::Recognition> Odometry::Recognize(const LightFieldFrame& frame) {
   if (!options_.joining.join || map_.places().empty()) return std::nullopt;
   const StageTimer::Scope scope(&timer_, "recognize places");
   std::vector<const Place*> places;
@@ -61,14 +64,29 @@ std::optional<SE3> Odometry::Recognize(const LightFieldFrame& frame) {
   const PlaceQuery query =
       MakePlaceQuery(camera_, frame, options_.activation.selection, options_.joining.match);
   std::vector<SegmentPlacement> placements;
+  std::vector<ReferencePoint> points;
   for (const PlaceMatch& match : FindPlaces(places, query)) {
     placements.push_back(PlaceSegment(map_, match, SE3()));
+    const std::vector<ReferencePoint> seen =
+        PointsSeenFrom(window_.camera, map_.places().at(match.keyframe_id), match.query_from_known);
+    points.insert(points.end(), seen.begin(), seen.end());
   }
   SegmentJoiner joiner;
   JoiningOptions one = options_.joining;
   one.min_agreeing = 1;
   const auto placement = joiner.Observe(one, placements, query.reference);
-  return placement ? std::optional(placement->world_from_segment) : std::nullopt;
+  if (!placement) return std::nullopt;
+  return Recognition{placement->world_from_segment, std::move(points)};
+}
+
+Odometry::FramePtr Odometry::WithKnownDepths(const LightFieldFrame& frame,
+                                             const Recognition& recognition) const {
+  return std::make_shared<const LightFieldFrame>(
+      prism::WithKnownDepths(window_.camera, frame, ExpectedDepthOffset(), recognition.points));
+}
+
+double Odometry::ExpectedDepthOffset() const {
+  return window_.empty() ? 0 : PersistentDepthOffset(window_.newest());
 }
 
 std::vector<PlaceMatch> Odometry::FindPlaces(const std::vector<const Place*>& places,
@@ -77,7 +95,7 @@ std::vector<PlaceMatch> Odometry::FindPlaces(const std::vector<const Place*>& pl
                      places,
                      query,
                      window_.noise,
-                     PersistentDepthOffset(window_.newest()),
+                     ExpectedDepthOffset(),
                      options_.tracker.alignment,
                      options_.joining.match);
 }
@@ -147,8 +165,27 @@ std::optional<JoinedSegment> Odometry::JoinSegment() {
 }
 
 Place Odometry::MakePlaceOf(const Window& window, const Keyframe& keyframe) const {
-  return MakePlace(
-      window.camera, keyframe.id, *keyframe.frame, MakeReferencePoints(window, keyframe));
+  // Of the points that are to be seen there few may be left in the window: those of keyframes that
+  // have retired are among the points of their places.
+  std::vector<ReferencePoint> points = MakeReferencePoints(window, keyframe);
+  const double offset = DepthOffset(keyframe);
+  if (const Place* before = map_.PlaceBefore(segment_, keyframe.id)) {
+    const SE3 cam_from_world = keyframe.state.pose() * map_.WorldFromSegment(segment_).Inverse();
+    AddSeenPoints(window.camera,
+                  *keyframe.frame,
+                  offset,
+                  PointsSeenFrom(window.camera,
+                                 *before,
+                                 cam_from_world * map_.CamFromWorld(before->keyframe_id).Inverse()),
+                  &points);
+  }
+  AddMeasuredPoints(window.camera,
+                    *keyframe.frame,
+                    offset,
+                    options_.joining.match.query_points,
+                    options_.activation.selection,
+                    &points);
+  return MakePlace(window.camera, keyframe.id, *keyframe.frame, points);
 }
 
 void Odometry::AddStepEdge(const LightFieldFrame& frame, const RecoveryResult& match) {

@@ -111,13 +111,12 @@ FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
   const auto frame = std::make_shared<const LightFieldFrame>(std::move(light_field_frame));
   CHECK(frame->image.at(0).width() == window_.camera.width &&
         frame->image.at(0).height() == window_.camera.height);
-  if (window_.empty()) return StartSegment(frame, last_pose_.Inverse());
+  if (window_.empty()) return Start(frame);
 
   RecoveryResult match;
   {
     const StageTimer::Scope scope(&timer_, "track");
-    const auto check_depth =
-        MakeDepthCheck(window_.noise, *frame, PersistentDepthOffset(window_.newest()), 1);
+    const auto check_depth = MakeDepthCheck(window_.noise, *frame, ExpectedDepthOffset(), 1);
     if (lost_frames_ > 0) {
       match = RecoverInWindow(*frame);
     } else {
@@ -216,10 +215,17 @@ FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
     default:
       result.status = FrameStatus::kLost;
   }
-  const std::optional<SE3> found = Recognize(*frame);
+  const std::optional<Recognition> found = Recognize(*frame);
   if (!found && unmatched_frames_ <= options_.max_lost_frames) return result;
-  FrameResult start = StartSegment(std::move(frame), found ? *found : last_pose_.Inverse());
+  FrameResult start = found ? StartSegment(WithKnownDepths(*frame, *found), found->world_from_cam)
+                            : StartSegment(std::move(frame), last_pose_.Inverse());
   return start.status == FrameStatus::kTracked ? start : result;
+}
+
+FrameResult Odometry::Start(const FramePtr& frame) {
+  window_.noise = InitialNoise(*frame);
+  const std::optional<Recognition> found = Recognize(*frame);
+  return StartSegment(found ? WithKnownDepths(*frame, *found) : frame, last_pose_.Inverse());
 }
 
 FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment) {
@@ -232,7 +238,7 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
   window_.next_point_id = before.next_point_id;
   window_.states = before.states;
   for (StateBlock& state : window_.states) state.first_estimate.reset();
-  window_.noise = NoiseModel(EstimateImageNoise(frame->image[0]), options_.photometric_model_sigma);
+  window_.noise = InitialNoise(*frame);
   AddKeyframe(std::move(frame), FrameState());
   ActivatePoints(options_.activation, terms_, options_.window.max_points, &window_);
   if (window_.NumPoints() < options_.min_start_points) {
@@ -267,6 +273,10 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
   result.state = FrameState(last_pose_, 0, 0);
   result.active_points = window_.NumPoints();
   return result;
+}
+
+NoiseModel Odometry::InitialNoise(const LightFieldFrame& frame) const {
+  return NoiseModel(EstimateImageNoise(frame.image[0]), options_.photometric_model_sigma);
 }
 
 // Puts a keyframe at a state into the window.

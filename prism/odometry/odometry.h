@@ -110,12 +110,22 @@ class Odometry {
  private:
   using FramePtr = std::shared_ptr<const LightFieldFrame>;
 
+  // A frame that shows a known place.
+  struct Recognition {
+    SE3 world_from_cam;
+    std::vector<ReferencePoint> points;  // that the map knows, as the frame sees them
+  };
+
+  // The first frame, which may be in a map that was loaded.
+  FrameResult Start(const FramePtr& frame);
   FrameResult StartSegment(FramePtr frame, const SE3& world_from_segment);
   // Recover, verified where motion does not expect what it finds.
   RecoveryResult RecoverInWindow(const LightFieldFrame& frame);
   FrameResult HandleLoss(FramePtr frame, TrackingStatus status);
-  // world_from_cam of a lost frame that shows a known place.
-  std::optional<SE3> Recognize(const LightFieldFrame& frame);
+  std::optional<Recognition> Recognize(const LightFieldFrame& frame);
+  FramePtr WithKnownDepths(const LightFieldFrame& frame, const Recognition& recognition) const;
+  // What the 1/v of the next frame are known to be too large by.
+  double ExpectedDepthOffset() const;
   // Looks for the newest keyframe in the map, to join its segment to another, to place it better
   // than it was joined, or for loops.
   void FindKeyframe(FrameResult* result);
@@ -126,6 +136,8 @@ class Odometry {
   // What the alignment of a frame that becomes a keyframe knows, for Map::CloseLoops.
   void AddStepEdge(const LightFieldFrame& frame, const RecoveryResult& match);
   Place MakePlaceOf(const Window& window, const Keyframe& keyframe) const;
+  // Of a segment that starts with this frame.
+  NoiseModel InitialNoise(const LightFieldFrame& frame) const;
   void AddKeyframe(FramePtr frame, const FrameState& state);
   KeyframeResult MakeKeyframe(FramePtr frame,
                               const FrameState& state,

@@ -82,6 +82,24 @@ TEST(Map, LoadedPlacesAreNoPartOfTheRunButItsWorldOnceJoined) {
   EXPECT_EQ(map.MappedPlaces(kLoadedSegment).size(), 1u);
 }
 
+TEST(Map, KnowsThePlaceBeforeAKeyframeInItsSegment) {
+  Map map(10);
+  for (int id = 0; id < 4; ++id) {
+    const int segment = id / 3;
+    if (id % 3 == 0) map.StartSegment(segment, SE3());
+    AddKeyframe(segment, id, id, &map);
+  }
+  for (const int id : {0, 2}) {
+    Place place;
+    place.keyframe_id = id;
+    map.AddPlace(place);
+  }
+  EXPECT_EQ(map.PlaceBefore(0, 0), nullptr);
+  ASSERT_NE(map.PlaceBefore(0, 2), nullptr);
+  EXPECT_EQ(map.PlaceBefore(0, 2)->keyframe_id, 0);
+  EXPECT_EQ(map.PlaceBefore(1, 3), nullptr) << "of another segment";
+}
+
 TEST(Map, OfTheClosestPlacesTheYoungerIsForgotten) {
   Map map(3);
   map.StartSegment(0, SE3());

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "prism/map/place_features.h"
+#include "prism/map/place_points.h"
+#include "prism/map/place_view.h"
 #include "test/map/speckle_texture.h"
 #include "test/window/synthetic_window.h"
 
@@ -27,7 +29,9 @@ std::shared_ptr<LightFieldFrame> View(const SE3& pose,
 
 Place KnownPlace(const LightFieldFrame& frame) {
   const PlenopticProjection projection(Camera());
-  return MakePlace(projection, 7, frame, MeasuredPoints(projection, frame, 1000, {}));
+  std::vector<ReferencePoint> points;
+  AddMeasuredPoints(projection, frame, 0, 1000, {}, &points);
+  return MakePlace(projection, 7, frame, points);
 }
 
 std::vector<PlaceMatch> Find(const Place& place, const LightFieldFrame& frame) {

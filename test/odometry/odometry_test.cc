@@ -359,6 +359,34 @@ TEST(Odometry, AKidnappedCameraIsFoundInWhatItSawBeforeAndJoined) {
   }
 }
 
+TEST(Odometry, AfterALossItGoesOnWithTheDepthsThatTheMapKnows) {
+  constexpr double kSigma = 0.006;
+  // The camera rolls while it sees nothing: no alignment to the window gets that far.
+  const SE3 roll = SE3::Exp((Vector6d() << 0, 0, 0, 0, 0, 1).finished());
+  const auto frame = [&](int i, double sigma) {
+    return TrueFrame(i, i < 22 ? TruePose(i) : roll * KidnappedPose(i), sigma, SpeckleTexture);
+  };
+  OdometryOptions options = TestOptions();
+  options.window.max_keyframes = 4;
+  Odometry odometry(SyntheticCamera(Scene()), options);
+  FrameResult result;
+  int i = 0;
+  for (; i < 30 && result.segment == 0; ++i) {
+    result = odometry.Process(i >= 18 && i < 22 ? BlackFrame(i) : frame(i, kSigma));
+  }
+  ASSERT_EQ(result.segment, 1);
+  const LightFieldFrame& start = *odometry.window().newest().frame;
+  const LightFieldFrame truth = frame(i - 1, 0);
+  std::vector<double> errors;
+  for (size_t j = 0; j < start.sigma.size(); ++j) {
+    if (start.sigma.data()[j] > 0.5 * kSigma) continue;
+    errors.push_back(
+        std::abs(start.inverse_virtual_depth.data()[j] - truth.inverse_virtual_depth.data()[j]));
+  }
+  EXPECT_GT(errors.size(), 1000u);
+  EXPECT_LT(Quantile(errors, 0.5), 0.3 * kSigma) << "0.67 as measured";
+}
+
 TEST(Odometry, WithoutJoiningAKidnappedCameraStaysInAPieceOfItsOwn) {
   OdometryOptions options = TestOptions();
   options.joining.join = false;
