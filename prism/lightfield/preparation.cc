@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "prism/image/smoothing.h"
 #include "prism/lightfield/colour_mosaic.h"
 #include "prism/lightfield/patch_kernel.h"
 
@@ -114,25 +115,6 @@ void InteriorRow(const Image<uint8_t>& good, int y, uint8_t* interior) {
                         (below[x + 1] ^ c);
     interior[x] = differs == 0 ? c : uint8_t{0};
   }
-}
-
-// The filter (1 2 1) x (1 2 1) / 16.
-void Smooth(const ImageF& image, ImageF* smooth) {
-  const int width = image.width();
-  const int height = image.height();
-  tbb::parallel_for(0, height, [&](int y) {
-    const float* above = image.row(std::max(y - 1, 0));
-    const float* here = image.row(y);
-    const float* below = image.row(std::min(y + 1, height - 1));
-    float* out = smooth->row(y);
-    out[0] = here[0];
-    out[width - 1] = here[width - 1];
-    for (int x = 1; x < width - 1; ++x) {
-      out[x] = (above[x - 1] + above[x + 1] + below[x - 1] + below[x + 1] +
-                2 * (above[x] + below[x] + here[x - 1] + here[x + 1]) + 4 * here[x]) *
-               (1.0f / 16);
-    }
-  });
 }
 
 // Where bilinear interpolation in [x, x+1] x [y, y+1] uses pixels of one micro image.
@@ -334,7 +316,9 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
   prepared->smoother.Resize(width, height);
   for (int j = 0; j < HalfPixelImage::kStepsPerPixel; ++j) {
     for (int i = 0; i < HalfPixelImage::kStepsPerPixel; ++i) {
-      Smooth(prepared->smooth.phase[j][i], &prepared->smoother.phase[j][i]);
+      const ImageF& once = prepared->smooth.phase[j][i];
+      ImageF& twice = prepared->smoother.phase[j][i];
+      tbb::parallel_for(0, height, [&](int y) { SmoothRow(once, y, twice.row(y)); });
     }
   }
   ForRowsAround(2, [&](int y) { InteriorRow(filtered_, y, filtered_twice_.row(y)); });

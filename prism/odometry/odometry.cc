@@ -11,6 +11,7 @@
 
 #include "prism/factors/prior_term.h"
 #include "prism/image/noise.h"
+#include "prism/image/smoothing.h"
 #include "prism/odometry/recovery.h"
 #include "prism/points/hidden_points.h"
 #include "prism/tracking/depth_agreement.h"
@@ -108,9 +109,7 @@ Odometry::Odometry(const PlenopticCamera& camera, const OdometryOptions& options
 }
 
 FrameResult Odometry::Process(LightFieldFrame light_field_frame) {
-  const auto frame = std::make_shared<const LightFieldFrame>(std::move(light_field_frame));
-  CHECK(frame->image.at(0).width() == window_.camera.width &&
-        frame->image.at(0).height() == window_.camera.height);
+  const FramePtr frame = Prepare(std::move(light_field_frame));
   if (window_.empty()) return Start(frame);
 
   RecoveryResult match;
@@ -222,8 +221,17 @@ FrameResult Odometry::HandleLoss(FramePtr frame, TrackingStatus status) {
   return start.status == FrameStatus::kTracked ? start : result;
 }
 
+Odometry::FramePtr Odometry::Prepare(LightFieldFrame frame) {
+  CHECK(frame.image.at(0).width() == window_.camera.width &&
+        frame.image.at(0).height() == window_.camera.height);
+  const StageTimer::Scope scope(&timer_, "smooth image");
+  given_image_ = std::move(frame.image[0]);
+  frame.image = BuildPyramid(Smooth(given_image_), static_cast<int>(frame.image.size()));
+  return std::make_shared<const LightFieldFrame>(std::move(frame));
+}
+
 FrameResult Odometry::Start(const FramePtr& frame) {
-  window_.noise = InitialNoise(*frame);
+  window_.noise = InitialNoise();
   const std::optional<Recognition> found = Recognize(*frame);
   return StartSegment(found ? WithKnownDepths(*frame, *found) : frame, last_pose_.Inverse());
 }
@@ -238,7 +246,7 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
   window_.next_point_id = before.next_point_id;
   window_.states = before.states;
   for (StateBlock& state : window_.states) state.first_estimate.reset();
-  window_.noise = InitialNoise(*frame);
+  window_.noise = InitialNoise();
   AddKeyframe(std::move(frame), FrameState());
   ActivatePoints(options_.activation, terms_, options_.window.max_points, &window_);
   if (window_.NumPoints() < options_.min_start_points) {
@@ -275,8 +283,10 @@ FrameResult Odometry::StartSegment(FramePtr frame, const SE3& world_from_segment
   return result;
 }
 
-NoiseModel Odometry::InitialNoise(const LightFieldFrame& frame) const {
-  return NoiseModel(EstimateImageNoise(frame.image[0]), options_.photometric_model_sigma);
+NoiseModel Odometry::InitialNoise() const {
+  // The estimate takes noise to be white, which that of the smoothed image is not.
+  return NoiseModel(kSmoothedNoise * EstimateImageNoise(given_image_),
+                    options_.photometric_model_sigma);
 }
 
 // Puts a keyframe at a state into the window.

@@ -116,6 +116,8 @@ class Odometry {
     std::vector<ReferencePoint> points;  // that the map knows, as the frame sees them
   };
 
+  // The frame with its image smoothed, as all of this sees it.
+  FramePtr Prepare(LightFieldFrame frame);
   // The first frame, which may be in a map that was loaded.
   FrameResult Start(const FramePtr& frame);
   FrameResult StartSegment(FramePtr frame, const SE3& world_from_segment);
@@ -136,8 +138,8 @@ class Odometry {
   // What the alignment of a frame that becomes a keyframe knows, for Map::CloseLoops.
   void AddStepEdge(const LightFieldFrame& frame, const RecoveryResult& match);
   Place MakePlaceOf(const Window& window, const Keyframe& keyframe) const;
-  // Of a segment that starts with this frame.
-  NoiseModel InitialNoise(const LightFieldFrame& frame) const;
+  // Of a segment that starts with the frame in process.
+  NoiseModel InitialNoise() const;
   void AddKeyframe(FramePtr frame, const FrameState& state);
   KeyframeResult MakeKeyframe(FramePtr frame,
                               const FrameState& state,
@@ -162,6 +164,7 @@ class Odometry {
   int unmatched_frames_ = 0;  // of those, that show something
   int held_frames_ = 0;       // in a row
   SE3 last_pose_;             // cam_from_world of the last tracked frame, as the window has it
+  ImageF given_image_;        // of the frame in process, level 0 before smoothing
   double first_rms_ = 0;      // of the first frame tracked on the newest keyframe
 };
 

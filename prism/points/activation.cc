@@ -6,33 +6,11 @@
 #include <cmath>
 
 #include "prism/factors/visibility.h"
+#include "prism/points/depth_support.h"
 #include "prism/points/shared_depths.h"
 
 namespace prism {
 namespace {
-
-// False if most of the depths measured around a pixel contradict its own. At the edge of a thing
-// half of them do.
-bool IsSupported(const LightFieldFrame& frame, int x, int y) {
-  constexpr int kRadius = 2;              // px
-  constexpr int kMinMeasured = 5;         // fewer say nothing
-  constexpr double kMaxDifference = 3.5;  // standard deviations
-  constexpr double kMinAgreeing = 0.35;
-  const double w = frame.inverse_virtual_depth(x, y), sigma = frame.sigma(x, y);
-  int measured = 0, agreeing = 0;
-  for (int v = std::max(y - kRadius, 0); v <= std::min(y + kRadius, frame.sigma.height() - 1);
-       ++v) {
-    for (int u = std::max(x - kRadius, 0); u <= std::min(x + kRadius, frame.sigma.width() - 1);
-         ++u) {
-      const double other = frame.sigma(u, v);
-      if (other == 0 || (u == x && v == y)) continue;
-      ++measured;
-      agreeing += std::abs(frame.inverse_virtual_depth(u, v) - w) <
-                  kMaxDifference * std::hypot(sigma, other);
-    }
-  }
-  return measured < kMinMeasured || agreeing >= kMinAgreeing * measured;
-}
 
 int NumObserved(const Window& window, const Keyframe& target) {
   int count = 0;
@@ -80,12 +58,13 @@ void ActivatePoints(const ActivationOptions& options,
   if (frame.depth_correlation_px > 0) {
     selection.gradient_margin = options.micro_image_gradient_margin;
   }
+  DepthSupport support(window->camera, frame);
   const ImageF squared_gradient = SquaredGradientMagnitude(frame.image[0]);
   const auto select = [&](int count, bool with_depth) {
     const auto is_usable = [&](int x, int y) {
       return (frame.sigma(x, y) > 0) == with_depth &&
              coverage.IsFree(x, y, options.min_point_distance) &&
-             (!with_depth || IsSupported(frame, x, y));
+             (!with_depth || (support.IsSupported(x, y) && !support.IsBesideNearer(x, y)));
     };
     return SelectPoints(squared_gradient, count, is_usable, selection);
   };

@@ -8,6 +8,7 @@
 #include "prism/image/interpolation.h"
 #include "prism/image/noise.h"
 #include "prism/image/pyramid.h"
+#include "prism/image/smoothing.h"
 
 namespace prism {
 namespace {
@@ -82,6 +83,42 @@ TEST(SquaredGradientMagnitude, OfARampIsItsSlopeSquared) {
   const ImageF squared = SquaredGradientMagnitude(ramp);
   EXPECT_FLOAT_EQ(squared(5, 5), 25);
   EXPECT_FLOAT_EQ(squared(0, 5), 0);
+}
+
+// Variance of interpolated white noise at the pixels over that in the middle between four of them.
+double NoiseLostBetweenPixels(const ImageF& image) {
+  double at_pixels = 0, between = 0;
+  for (int y = 2; y + 3 < image.height(); ++y) {
+    for (int x = 2; x + 3 < image.width(); ++x) {
+      at_pixels += std::pow(InterpolateBilinear(image, x, y).value, 2);
+      between += std::pow(InterpolateBilinear(image, x + 0.5, y + 0.5).value, 2);
+    }
+  }
+  return at_pixels / between;
+}
+
+TEST(Smooth, KeepsNoiseNearlyTheSameBetweenPixels) {
+  std::mt19937_64 generator = SeededGenerator(12, 0);
+  std::normal_distribution<float> normal;
+  ImageF noise(300, 300);
+  for (size_t i = 0; i < noise.size(); ++i) noise.data()[i] = normal(generator);
+  const ImageF smooth = Smooth(noise);
+  EXPECT_NEAR(NoiseLostBetweenPixels(noise), 4, 0.2);
+  EXPECT_NEAR(NoiseLostBetweenPixels(smooth), 1.44, 0.1);
+  double square = 0;
+  for (size_t i = 0; i < smooth.size(); ++i) square += std::pow(smooth.data()[i], 2);
+  EXPECT_NEAR(std::sqrt(square / static_cast<double>(smooth.size())), kSmoothedNoise, 0.01);
+}
+
+TEST(Smooth, LeavesASlopeAsItIs) {
+  ImageF slope(20, 10);
+  for (int y = 0; y < 10; ++y) {
+    for (int x = 0; x < 20; ++x) slope(x, y) = 5.0f * x + 2.0f * y;
+  }
+  const ImageF smooth = Smooth(slope);
+  for (int y = 1; y < 9; ++y) {
+    for (int x = 0; x < 20; ++x) EXPECT_FLOAT_EQ(smooth(x, y), slope(x, y));
+  }
 }
 
 TEST(EstimateImageNoise, FindsTheNoiseUnderATexture) {
