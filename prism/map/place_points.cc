@@ -18,7 +18,7 @@ constexpr int kPointDistance = 6;  // px, of added points from those that are th
 constexpr double kMaxSigmas = 3;
 constexpr double kMinSigma = 1e-4;  // of 1/v
 
-// Not 0: a point is near.
+// A mask of the size of `image`; not 0: a point is near.
 cv::Mat1b AreasNear(const std::vector<ReferencePoint>& points, const ImageF& image) {
   cv::Mat1b near(image.height(), image.width(), uint8_t{0});
   for (const ReferencePoint& point : points) {
@@ -103,12 +103,8 @@ void AddMeasuredPoints(const PlenopticProjection& camera,
                        std::vector<ReferencePoint>* points) {
   const int missing = count - static_cast<int>(points->size());
   if (missing <= 0) return;
-  Image<uint8_t> is_near(frame.sigma.width(), frame.sigma.height(), 0);
-  cv::Mat near(is_near.height(), is_near.width(), CV_8UC1, is_near.data());
-  for (const ReferencePoint& point : *points) {
-    cv::circle(near, cv::Point2d(point.px.x(), point.px.y()), kPointDistance, 1, cv::FILLED);
-  }
-  const auto is_usable = [&](int x, int y) { return frame.sigma(x, y) > 0 && is_near(x, y) == 0; };
+  const cv::Mat1b near = AreasNear(*points, frame.sigma);
+  const auto is_usable = [&](int x, int y) { return frame.sigma(x, y) > 0 && near(y, x) == 0; };
   for (const Eigen::Vector2i& px :
        SelectPoints(SquaredGradientMagnitude(frame.image[0]), missing, is_usable, options)) {
     const double w = frame.inverse_virtual_depth(px.x(), px.y()) - depth_offset;

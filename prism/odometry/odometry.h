@@ -81,6 +81,8 @@ struct FrameResult {
 // after `max_lost_frames` in a row, a new segment starts at the next frame with texture and depth,
 // metric like the first, placed where it was found or at the last known pose. Its keyframes are
 // looked for in the rest of the map; once enough of them agree, the segment is joined to it.
+//
+// Images are smoothed (Smooth) before anything else; the window and the places have them so.
 class Odometry {
  public:
   // Precondition: options.IsValid.
