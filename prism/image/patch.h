@@ -18,9 +18,8 @@ inline constexpr int kPatternCenter = 4;  // index of {0, 0}
 inline constexpr int kPatternRadius = 2;  // px
 
 // True if a pixel is white where something brighter than white is expected: it says nothing of by
-// how much. Intensities 0 to 255, of smoothed images (Smooth), where white is grayer beside darker
-// pixels.
-inline constexpr double kWhite = 220;      // and above
+// how much. Intensities 0 to 255.
+inline constexpr double kWhite = 254;      // and above
 inline constexpr double kBrightest = 255;  // that can be seen
 inline bool IsClipped(double intensity, double expected) {
   return intensity >= kWhite && expected > kBrightest;
