@@ -23,6 +23,8 @@ namespace {
 constexpr float kGradientNoise = 0.115f;
 constexpr float kLastStep = 0.003f;  // of 1/v: a Gauss-Newton step this small is the last
 constexpr float kMaskReach = 0.01f;  // of 1/v: a quarter of a pixel between neighbouring lenses
+constexpr int kDraftStep = 2;        // nodes, in x and in y
+constexpr int kDraftsAround = 2;
 
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
 
@@ -96,8 +98,8 @@ DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
       scale_(camera.focused_scale),
       lenses_(lenses),
       options_(options),
-      seed_width_((width_ + options.seed_spacing - 1) / options.seed_spacing),
-      seed_height_((height_ + options.seed_spacing - 1) / options.seed_spacing),
+      seeds_(width_, height_, options.seed_spacing, 1),
+      drafts_(width_, height_, kDraftStep * kNodeSpacing, kDraftsAround),
       nodes_(width_, height_),
       fused_(width_, height_) {
   std::string error;
@@ -105,7 +107,22 @@ DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
   if (options_.min_inverse_virtual_depth == 0) {
     options_.min_inverse_virtual_depth = NearestInverseVirtualDepth(camera);
   }
-  seeds_.resize(static_cast<size_t>(seed_width_) * seed_height_);
+}
+
+DepthEstimator::Cells::Cells(int image_width, int image_height, int side, int around)
+    : side(side),
+      around(around),
+      width((image_width + side - 1) / side),
+      height((image_height + side - 1) / side),
+      estimates(static_cast<size_t>(width) * height) {}
+
+template <typename Visit>
+void DepthEstimator::Cells::ForEachAround(int i, int j, int cells, const Visit& visit) const {
+  for (int v = std::max(j - cells, 0); v <= std::min(j + cells, height - 1); ++v) {
+    for (int u = std::max(i - cells, 0); u <= std::min(i + cells, width - 1); ++u) {
+      if ((*this)(u, v).w > 0) visit((*this)(u, v));
+    }
+  }
 }
 
 DepthEstimator::Estimated DepthEstimator::Refine(const PreparedRaw& raw,
@@ -189,13 +206,45 @@ bool DepthEstimator::Accept(Estimated* estimated) const {
 
 void DepthEstimator::AcceptSeeds() {
   std::vector<MatchSample> samples;
-  for (const Estimated& seed : seeds_) {
+  for (const Estimated& seed : seeds_.estimates) {
     if (seed.w > 0) samples.push_back({seed.contrast, seed.residual});
   }
   misfit_ = FitMisfit(std::move(samples));
-  for (Estimated& seed : seeds_) {
+  for (Estimated& seed : seeds_.estimates) {
     if (seed.w > 0 && !Accept(&seed)) seed = {};
   }
+}
+
+void DepthEstimator::DropTruncatedSeeds() {
+  // In search steps: a minimum is up to half of one from the hypothesis that needs one more above
+  // it, and its noise is some 0.4.
+  constexpr float kMargin = 1.3f;
+  constexpr float kSameSurface = 1.5f;
+  constexpr int kCellsAround = 2;
+  const float step = static_cast<float>(options_.search_step);
+  const float last = static_cast<float>(options_.max_inverse_virtual_depth) - step;
+  std::vector<Estimated> kept = seeds_.estimates;
+  std::vector<float> others;
+  for (int j = 0; j < seeds_.height; ++j) {
+    for (int i = 0; i < seeds_.width; ++i) {
+      const Estimated& seed = seeds_(i, j);
+      if (seed.w == 0 || seed.limit > last) continue;
+      // What 1/v is there is asked of its neighbours: its own noise decides nothing then.
+      others.clear();
+      seeds_.ForEachAround(i, j, kCellsAround, [&](const Estimated& other) {
+        if (&other != &seed && std::abs(other.w - seed.w) < kSameSurface * step) {
+          others.push_back(other.w);
+        }
+      });
+      if (others.empty()) others.push_back(seed.w);
+      const auto median = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
+      std::nth_element(others.begin(), median, others.end());
+      if (seed.limit < *median + kMargin * step) {
+        kept[static_cast<size_t>(j) * seeds_.width + i] = {};
+      }
+    }
+  }
+  seeds_.estimates = std::move(kept);
 }
 
 Eigen::Vector2f DepthEstimator::RawPosition(float x, float y) const {
@@ -238,41 +287,40 @@ DepthEstimator::Estimated DepthEstimator::SearchCell(const PreparedRaw& raw, int
                          static_cast<float>(options_.search_step),
                          static_cast<float>(options_.ambiguity)};
   const float noise = static_cast<float>(texture_.noise()) * kSmoothNoise;
-  const std::optional<float> w =
+  const std::optional<SweepMinimum> minimum =
       SweepInverseVirtualDepth(raw, lenses_, range, noise, seed.x(), seed.y());
-  return w ? Refine(raw, seed, *w, 6) : Estimated();
+  if (!minimum) return {};
+  Estimated result = Refine(raw, seed, minimum->w, 6);
+  result.limit = minimum->limit;
+  return result;
 }
 
-DepthEstimator::Estimated DepthEstimator::RefineFromSeeds(const PreparedRaw& raw,
-                                                          int x,
-                                                          int y) const {
-  const int spacing = options_.seed_spacing;
-  const int sx = x / spacing;
-  const int sy = y / spacing;
+DepthEstimator::Estimated DepthEstimator::RefineFrom(const Cells& starts,
+                                                     const PreparedRaw& raw,
+                                                     int x,
+                                                     int y) const {
+  constexpr float kSameSurface = 0.02f;  // of 1/v
+  const int i = x / starts.side;
+  const int j = y / starts.side;
   const Eigen::Vector2f raw_px = RawPosition(static_cast<float>(x), static_cast<float>(y));
-  // The seeds that agree with the most certain one around, and the most certain that disagrees.
+  // Those that agree with the most certain one around, and the most certain that disagrees.
   const Estimated* first = nullptr;
   const Estimated* second = nullptr;
+  starts.ForEachAround(i, j, starts.around, [&](const Estimated& start) {
+    if (!first || start.sigma < first->sigma) first = &start;
+  });
+  if (!first) return {};
   float sum = 0;
   int agree = 0;
-  for (int pass = 0; pass < 2; ++pass) {
-    for (int j = std::max(sy - 1, 0); j <= std::min(sy + 1, seed_height_ - 1); ++j) {
-      for (int i = std::max(sx - 1, 0); i <= std::min(sx + 1, seed_width_ - 1); ++i) {
-        const Estimated& seed = seeds_[static_cast<size_t>(j) * seed_width_ + i];
-        if (seed.w == 0) continue;
-        if (pass == 0) {
-          if (!first || seed.sigma < first->sigma) first = &seed;
-        } else if (std::abs(seed.w - first->w) <= 0.02f) {
-          sum += seed.w;
-          ++agree;
-        } else if (!second || seed.sigma < second->sigma) {
-          second = &seed;
-        }
-      }
+  starts.ForEachAround(i, j, starts.around, [&](const Estimated& start) {
+    if (std::abs(start.w - first->w) <= kSameSurface) {
+      sum += start.w;
+      ++agree;
+    } else if (!second || start.sigma < second->sigma) {
+      second = &start;
     }
-    if (!first) return {};
-  }
-  // The mean of several depends less on the noise of this patch, which is that of its nearest seed.
+  });
+  // The mean of several depends less on the noise of this patch, which is that of the nearest one.
   Estimated result = Refine(raw, raw_px, sum / static_cast<float>(agree), 3);
   if (second) {
     const Estimated other = Refine(raw, raw_px, second->w, 3);
@@ -322,15 +370,21 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
                               ImageF* inverse_virtual_depth,
                               ImageF* sigma) {
   texture_.Measure(raw, options_.min_gradient);
-  tbb::parallel_for(0, seed_height_, [&](int j) {
-    for (int i = 0; i < seed_width_; ++i) {
-      seeds_[static_cast<size_t>(j) * seed_width_ + i] = SearchCell(raw, i, j);
-    }
+  tbb::parallel_for(0, seeds_.height, [&](int j) {
+    for (int i = 0; i < seeds_.width; ++i) seeds_(i, j) = SearchCell(raw, i, j);
   });
   AcceptSeeds();
+  DropTruncatedSeeds();
+  tbb::parallel_for(0, drafts_.height, [&](int j) {
+    for (int i = 0; i < drafts_.width; ++i) {
+      const int x = NodePixel(kDraftStep * i);
+      const int y = NodePixel(kDraftStep * j);
+      drafts_(i, j) = x < width_ && y < height_ ? RefineFrom(seeds_, raw, x, y) : Estimated();
+    }
+  });
   tbb::parallel_for(0, nodes_.height(), [&](int j) {
     for (int i = 0; i < nodes_.width(); ++i) {
-      const Estimated estimated = RefineFromSeeds(raw, NodePixel(i), NodePixel(j));
+      const Estimated estimated = RefineFrom(drafts_, raw, NodePixel(i), NodePixel(j));
       const Eigen::Vector2f shift = estimated.shift + ToPixel(i, j, estimated);
       nodes_.depth(i, j) = estimated.w;
       nodes_.sigma(i, j) = estimated.sigma;

@@ -50,15 +50,18 @@ struct DepthOptions {
 // blurred images match best beside the truth.
 //
 // 1. Seeds: in every cell of seed_spacing focused px, where it has most texture, w is swept over
-// its
-//    range (SweepInverseVirtualDepth) and the minimum refined by Gauss-Newton. Flat or double
+//    its range (SweepInverseVirtualDepth) and the minimum refined by Gauss-Newton. Flat or double
 //    minima are dropped. From what is left over at all of them follows how well lenses can match in
 //    this frame (FitMisfit); seeds and all later estimates that match much worse are dropped.
-// 2. Nodes, every fourth pixel (depth_fusion.h), near seeds start from the mean of those that agree
-//    and are refined with lenses and mask held fixed. Beside a contour that is the contour's depth,
-//    up to a patch away from it: a node is moved to where the texture lies it is measured on, the
-//    mean place of the hessian's terms, and refined there; one that would leave its patch is
-//    dropped.
+//    So are seeds at places that lenses lose sight of not far above their 1/v: only what noise
+//    makes smaller is found there.
+// 2. Nodes, every fourth pixel (depth_fusion.h), start from the mean of estimates around them that
+//    agree and are refined with lenses and mask held fixed. Beside a contour that is the contour's
+//    depth, up to a patch away from it: a node is moved to where the texture lies it is measured
+//    on, the mean place of the hessian's terms, and refined there; one that would leave its patch
+//    is dropped. Every second node in x and in y is estimated so from the seeds, a draft, and then
+//    all of them from the drafts, which are more and nearer: a node that starts far from its 1/v is
+//    dropped, or keeps a part of what its start is off by.
 // 3. Nodes that a third of their neighbours contradict are dropped; the others become the mean of
 //    the neighbours that agree, and the pixels around them are interpolated. Neighbours share raw
 //    pixels, so sigma is the mean of theirs, as if their errors were the same.
@@ -87,6 +90,7 @@ class DepthEstimator {
   struct Estimated {
     float w = 0;  // 0: none
     float sigma = 0;
+    float limit = 0;                 // of a seed: SweepMinimum::limit
     float residual = 0;              // mean squared, relative to the noise
     float contrast = 0;              // MatchSample::contrast
     float noise_variance = 0;        // of w, by the noise of the residual
@@ -94,9 +98,27 @@ class DepthEstimator {
     Eigen::Vector2f shift = {0, 0};  // from the position to its texture, focused px
   };
 
+  // Estimates, one a square cell of the focused image.
+  struct Cells {
+    int side;    // focused px
+    int around;  // a node starts from those up to as many cells away in x and in y
+    int width, height;
+    std::vector<Estimated> estimates;  // row by row
+
+    Cells(int image_width, int image_height, int side, int around);
+    Estimated& operator()(int i, int j) { return estimates[static_cast<size_t>(j) * width + i]; }
+    const Estimated& operator()(int i, int j) const {
+      return estimates[static_cast<size_t>(j) * width + i];
+    }
+    // Calls visit(estimate) for those up to `cells` away from cell (i, j) in x and in y.
+    template <typename Visit>
+    void ForEachAround(int i, int j, int cells, const Visit& visit) const;
+  };
+
   // Whether a match is as good as the frame's misfit allows, and certain enough; sets its sigma.
   bool Accept(Estimated* estimated) const;
   void AcceptSeeds();
+  void DropTruncatedSeeds();
   // Undistorted raw px of a position on the focused grid.
   Eigen::Vector2f RawPosition(float x, float y) const;
   int TextureAt(const Eigen::Vector2f& raw_px) const;
@@ -105,7 +127,8 @@ class DepthEstimator {
                    const Eigen::Vector2f& raw_px,
                    float w,
                    int iterations) const;
-  Estimated RefineFromSeeds(const PreparedRaw& raw, int x, int y) const;
+  // At a pixel, from the estimates around it.
+  Estimated RefineFrom(const Cells& starts, const PreparedRaw& raw, int x, int y) const;
   // Refines it where its texture lies; its shift is then from raw_px. Nothing if that is outside of
   // the patch.
   Estimated MoveToTexture(const PreparedRaw& raw,
@@ -121,8 +144,8 @@ class DepthEstimator {
   DepthOptions options_;
   RawTexture texture_;
   MatchMisfit misfit_;
-  std::vector<Estimated> seeds_;  // one a cell
-  int seed_width_ = 0, seed_height_ = 0;
+  Cells seeds_;
+  Cells drafts_;
   DepthNodes nodes_;  // before step 3
   DepthNodes fused_;  // after it
 };

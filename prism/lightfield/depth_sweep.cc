@@ -24,7 +24,7 @@ class Sweep {
   Sweep(const PreparedRaw& raw, const LensTable& lenses, const SweepRange& range, float X, float Y)
       : raw_(raw), lenses_(lenses), range_(range), count_(range.count()), X_(X), Y_(Y) {}
 
-  std::optional<float> Minimum(float noise);
+  std::optional<SweepMinimum> Minimum(float noise);
 
  private:
   struct Hypothesis {
@@ -109,10 +109,12 @@ bool Sweep::IsAmbiguous(int best, float coarse_cost, float noise) {
   return false;
 }
 
-std::optional<float> Sweep::Minimum(float noise) {
+std::optional<SweepMinimum> Sweep::Minimum(float noise) {
   int best = 0;
+  int last = 0;  // seen
   for (int h = 0; h < count_; ++h) {
     Compare(h);
+    if (IsSeen(h)) last = h;
     if (hypotheses_[h].cost < hypotheses_[best].cost) best = h;
   }
   // Fewer lenses see a point the larger its 1/v: a minimum must be bracketed, or the best one may
@@ -126,19 +128,19 @@ std::optional<float> Sweep::Minimum(float noise) {
   const float below = hypotheses_[best - 1].cost - hypotheses_[best].cost;
   const float above = hypotheses_[best + 1].cost - hypotheses_[best].cost;
   const float vertex = below + above > 0 ? 0.5f * (below - above) / (below + above) : 0.0f;
-  return WOf(best) + range_.step * vertex;
+  return SweepMinimum{WOf(best) + range_.step * vertex, WOf(last)};
 }
 
 }  // namespace
 
 int SweepRange::count() const { return 1 + static_cast<int>(std::floor((max_w - min_w) / step)); }
 
-std::optional<float> SweepInverseVirtualDepth(const PreparedRaw& raw,
-                                              const LensTable& lenses,
-                                              const SweepRange& range,
-                                              float noise,
-                                              float X,
-                                              float Y) {
+std::optional<SweepMinimum> SweepInverseVirtualDepth(const PreparedRaw& raw,
+                                                     const LensTable& lenses,
+                                                     const SweepRange& range,
+                                                     float noise,
+                                                     float X,
+                                                     float Y) {
   DCHECK_LE(range.count(), SweepRange::kMaxHypotheses);
   return Sweep(raw, lenses, range, X, Y).Minimum(noise);
 }

@@ -19,18 +19,23 @@ struct SweepRange {
   static constexpr int kMaxHypotheses = 64;
 };
 
+struct SweepMinimum {
+  float w;      // 1/v, to a fraction of a step
+  float limit;  // the largest hypothesis at which there was something to compare
+};
+
 // The inverse virtual depth at which the lenses that see the virtual point (X, Y), undistorted raw
-// px, agree best, to a fraction of a step; nothing where the minimum is at an end of what lenses
-// see of the range, or not the only one. `noise`: standard deviation of PreparedRaw::smooth.
+// px, agree best; nothing where the minimum is at an end of what lenses see of the range, or not
+// the only one. `noise`: standard deviation of PreparedRaw::smooth.
 //
 // All hypotheses are compared at the nearest half pixels and on every second row
 // (SumCoarsePatchCosts); those that decide, around the minimum and wherever there could be another
 // as low, are then compared exactly.
-std::optional<float> SweepInverseVirtualDepth(const PreparedRaw& raw,
-                                              const LensTable& lenses,
-                                              const SweepRange& range,
-                                              float noise,
-                                              float X,
-                                              float Y);
+std::optional<SweepMinimum> SweepInverseVirtualDepth(const PreparedRaw& raw,
+                                                     const LensTable& lenses,
+                                                     const SweepRange& range,
+                                                     float noise,
+                                                     float X,
+                                                     float Y);
 
 }  // namespace prism

@@ -90,6 +90,27 @@ TEST(Processor, FarWeakTextureIsMeasuredWithoutBias) {
   }
 }
 
+// With three lens types few lenses see a point, and a little further away none do: what noise makes
+// larger must not be what is not found.
+TEST(Processor, WhatFewLensesSeeIsMeasuredWithoutBias) {
+  PlenopticCamera camera = SmallCamera(640);
+  camera.micro_lens_grid->types = {{{0, 0}, 1, 3.2}, {{0, 1}, 2.6, 4.2}, {{0, -1}, 3.5, 100}};
+  LightFieldProcessor processor(camera, White(camera), {});
+  for (const double w : {0.395, 0.407, 0.415}) {
+    const auto weak = [](double X, double Y) { return 120 + 0.5 * (WavyTexture(X, Y) - 120); };
+    const LightFieldFrame frame = processor.Process(Frame(RenderPlane(camera, w, weak, 2, true)));
+    double sum = 0;
+    int count = 0;
+    for (size_t i = 0; i < frame.sigma.size(); ++i) {
+      if (frame.sigma.data()[i] == 0) continue;
+      sum += frame.inverse_virtual_depth.data()[i] - w;
+      ++count;
+    }
+    ASSERT_GT(count, 40000);
+    EXPECT_NEAR(sum / count, 0, 0.0003) << w;
+  }
+}
+
 // A bright board with an upright edge before a wall with little texture: beside the edge the
 // patches see nothing as well as the edge, whose depth is the board's.
 class ProcessorBesideAnEdge : public ::testing::TestWithParam<MicroLensMode> {};
