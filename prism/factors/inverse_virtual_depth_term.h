@@ -13,11 +13,12 @@
 namespace prism {
 
 // Inverse virtual depth residual of one point in its host frame, Eq. (22) over its standard
-// deviation: r = (w(rho) + offset - w_measured) / sigma with w = 1/v, the only residual that holds
-// the scale.
+// deviation: r = (w(rho) + offset_gain offset - w_measured) / sigma with w = 1/v, the only residual
+// that holds the scale.
 //
-// Residuals: 1. Parameter blocks: metric inverse depth rho in 1/m (1), and, if `has_offset`, the
-// offset that the depths of the host have in common (1; DepthOffsetTerm), which is 0 otherwise.
+// Residuals: 1. Parameter blocks: metric inverse depth rho in 1/m (1), and, if `offset_gain` is not
+// 0, the offset that the depths of the frame it was measured in have in common (1;
+// DepthOffsetTerm). The gain is 1 for the host, and TransferredDepth::gain for another frame.
 // Jacobian: Eq. (87), last line. Poses and brightness do not enter (Eqs. (26), (76)). A point at or
 // inside the focal length gives zero residual and Jacobian. Precondition: sigma > 0. `camera` must
 // outlive the cost.
@@ -25,7 +26,7 @@ class InverseVirtualDepthCost : public ceres::CostFunction {
  public:
   InverseVirtualDepthCost(double w_measured,
                           double sigma,
-                          bool has_offset,
+                          double offset_gain,
                           const PlenopticProjection* camera);
 
   bool Evaluate(double const* const* parameters,
@@ -35,18 +36,22 @@ class InverseVirtualDepthCost : public ceres::CostFunction {
  private:
   double w_measured_;
   double inverse_sigma_;
-  bool has_offset_;
+  double offset_gain_;
   const PlenopticProjection* camera_;
 };
 
 struct InverseVirtualDepthTermOptions {
   double huber = 1.5;         // standard deviations; 0: squares (ablation)
   double max_residual = 3.5;  // standard deviations: beyond it the measurement is dropped
+  // Also what the other keyframes measured where they see a point; false: only its host (ablation).
+  bool of_all_keyframes = true;
 
   bool IsValid(std::string* error) const;
 };
 
-// An InverseVirtualDepthCost for every point with a measured depth.
+// An InverseVirtualDepthCost for every keyframe that measured a depth where it sees the point. What
+// others than its host measured is transferred to the host with the poses as they are when factors
+// are made: images tell them far better than depths, and their share in the depth is small.
 class InverseVirtualDepthTerm : public Term {
  public:
   explicit InverseVirtualDepthTerm(const InverseVirtualDepthTermOptions& options);
@@ -59,7 +64,7 @@ class InverseVirtualDepthTerm : public Term {
                        int rho_block,
                        WindowGraph* graph) const override;
   OutlierRule outlier_rule() const override { return {options_.max_residual}; }
-  // The measurement is forgotten.
+  // The measurement is forgotten (Point::w_sigma, Point::depth_outlier_targets).
   void Reject(const FactorGraph::Factor& factor, Point* point, Window* window) const override;
 
  private:

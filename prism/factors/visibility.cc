@@ -3,12 +3,24 @@
 #include "prism/factors/visibility.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace prism {
 
+namespace {
+
+bool Holds(const std::vector<int>& ids, int id) {
+  return std::find(ids.begin(), ids.end(), id) != ids.end();
+}
+
+}  // namespace
+
 bool IsHidden(const Point& point, const Keyframe& target) {
-  return std::find(point.outlier_targets.begin(), point.outlier_targets.end(), target.id) !=
-         point.outlier_targets.end();
+  return Holds(point.outlier_targets, target.id);
+}
+
+bool IsDepthOutlier(const Point& point, const Keyframe& target) {
+  return Holds(point.depth_outlier_targets, target.id);
 }
 
 bool IsObserved(const PlenopticProjection& camera,

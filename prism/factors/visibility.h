@@ -9,6 +9,9 @@ namespace prism {
 // True if the point has been found to be an outlier in the target.
 bool IsHidden(const Point& point, const Keyframe& target);
 
+// True if the depth the target measured there has been found to be another's.
+bool IsDepthOutlier(const Point& point, const Keyframe& target);
+
 // True if the point's pattern falls into the target image and has not been found to be an outlier
 // there.
 bool IsObserved(const PlenopticProjection& camera,

@@ -74,6 +74,7 @@ void ActivatePoints(const ActivationOptions& options,
   for (size_t i = 0; i < measured.size(); ++i) {
     if (MakeCandidate(*window, options.candidates, newest, measured[i], &candidate)) {
       candidate.w_sigma *= std::sqrt(sharing[i]);
+      candidate.depth_sharing = sharing[i];
       ActivateCandidate(newest_index, candidate, &refiner, window);
     }
   }

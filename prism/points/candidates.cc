@@ -78,6 +78,7 @@ bool MakeCandidate(const Window& window,
   if (!MakePatch(frame.image[0], px.cast<double>(), &candidate->patch)) return false;
   candidate->w_measured = frame.inverse_virtual_depth(px.x(), px.y());
   candidate->w_sigma = frame.sigma(px.x(), px.y());
+  candidate->depth_sharing = 1;
   if (candidate->w_sigma > 0) {
     const double w = candidate->w_measured - DepthOffset(host);
     candidate->rho = std::max(InverseDepth(window.camera, w), 1e-3);
@@ -113,6 +114,7 @@ bool ActivateCandidate(size_t host_index,
   point->rho = candidate.rho;
   point->w_measured = candidate.w_measured;
   point->w_sigma = candidate.w_sigma;
+  point->depth_sharing = candidate.depth_sharing;
   const DepthRefinement refined = refiner->Refine(host_index, *point);
   if (refined.factors == 0) {
     point->rho_sigma = std::sqrt(candidate.rho_variance);

@@ -26,8 +26,11 @@ struct Point {
   // other points share its error (NumSharingDepth); sigma 0 = no measurement.
   double w_measured = 0;
   double w_sigma = 0;
+  double depth_sharing = 1;  // how many measurements stand for one (NumSharingDepth)
   // Keyframes (by id) whose residual was found to be an outlier (occlusion, reflection).
   std::vector<int> outlier_targets;
+  // Keyframes whose measured depth was one, where they see the point.
+  std::vector<int> depth_outlier_targets;
 };
 
 // A pixel that may become a point: its depth is a Gaussian over inverse depth, from the measured
@@ -38,8 +41,9 @@ struct Candidate {
   double rho_variance = 0;  // 1/m^2
   double w_measured = 0;    // as in Point
   double w_sigma = 0;
-  int matches = 0;   // frames it was found in
-  int failures = 0;  // frames in a row it should have been found in and was not
+  double depth_sharing = 1;  // as in Point
+  int matches = 0;           // frames it was found in
+  int failures = 0;          // frames in a row it should have been found in and was not
 };
 
 // A frame of the sliding window. Nodes do not move while the window holds them: patches are

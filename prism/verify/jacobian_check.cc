@@ -343,7 +343,7 @@ class Checker {
   }
 
   void CheckDepth(RandomState state) {
-    const InverseVirtualDepthCost cost(0.4, 0.004, /*has_offset=*/false, &camera_);
+    const InverseVirtualDepthCost cost(0.4, 0.004, /*offset_gain=*/0, &camera_);
     const ceres::AutoDiffCostFunction<InverseVirtualDepthTwin, 1, 1> twin(
         new InverseVirtualDepthTwin{0.4, 0.004, &camera_});
     const auto residuals = [&](RandomState at) { return Evaluate(cost, {&at.rho}).residuals; };

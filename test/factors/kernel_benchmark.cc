@@ -141,7 +141,7 @@ void FramePairUpdate(benchmark::State& state) {
 
 void InverseVirtualDepthResidual(benchmark::State& state) {
   const PlenopticProjection camera = Camera();
-  const InverseVirtualDepthCost cost(0.3, 0.004, /*has_offset=*/false, &camera);
+  const InverseVirtualDepthCost cost(0.3, 0.004, /*offset_gain=*/0, &camera);
   double rho = 0.5, residual = 0, J = 0;
   const double* parameters[] = {&rho};
   double* jacobians[] = {&J};

@@ -24,6 +24,9 @@ struct SyntheticOptions {
   double baseline = 0.02;  // m between keyframes
   double w_sigma = 0.004;  // noise of the measured 1/v
   double image_noise = 0;  // intensities
+  // Whether frames have exact depths everywhere, as RenderPlane makes them; false: what is measured
+  // is the points' alone.
+  bool has_depth_images = false;
   unsigned seed = 0;
 };
 
@@ -101,8 +104,10 @@ inline Window MakeSyntheticWindow(const SyntheticOptions& options) {
     auto keyframe = std::make_unique<Keyframe>();
     keyframe->id = i;
     keyframe->state = FrameState(SE3::Exp(tangent), 0, 0);
-    keyframe->frame =
+    const auto frame =
         RenderPlane(window.camera, keyframe->state.pose(), options.image_noise, &generator);
+    if (!options.has_depth_images) frame->sigma = ImageF(options.width, options.height, 0);
+    keyframe->frame = frame;
     window.keyframes.push_back(std::move(keyframe));
   }
   std::uniform_real_distribution<double> x(8, options.width - 8), y(8, options.height - 8);
