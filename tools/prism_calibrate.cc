@@ -147,13 +147,16 @@ std::array<int, 2> FirstImageSize(const std::string& folder) {
 }
 
 RawInputOptions InputOptions(const std::string& camera) {
-  return {FLAGS_sequence,
-          camera,
-          FLAGS_micro_lens_grid,
-          FLAGS_white_image,
-          FLAGS_colour,
-          FLAGS_threads,
-          false};
+  RawInputOptions options;
+  options.folder = FLAGS_sequence;
+  options.camera = camera;
+  options.micro_lens_grid = FLAGS_micro_lens_grid;
+  options.white_image = FLAGS_white_image;
+  options.colour = FLAGS_colour;
+  options.threads = FLAGS_threads;
+  // Corners stay where they are, whatever the depths and the camera the images are made with.
+  options.focused_image = FocusedImage::kChiefRays;
+  return options;
 }
 
 // --camera, or a file made of the flags and of what the pictures show of the micro lenses.
@@ -207,6 +210,8 @@ Pictures ReadRawPictures(const CalibrationBoard& board) {
   RawInput input = OpenRawInput(InputOptions(StartCameraFile()));
   Pictures pictures;
   pictures.camera = input.camera;
+  pictures.camera.focused_image =
+      FocusedImage::kVirtualPoints;  // as camera files of raw frames say
   pictures.report = input.grid_report;
   LightFieldProcessor processor(input.camera, input.white, input.options);
   for (int i = 0; i < input.sequence->size(); ++i) {

@@ -123,7 +123,13 @@ BoardView ObserveCorners(const std::vector<DetectedCorner>& corners,
       if (d > 0) focused_at = d;
     }
     const double q = sign * focused_at;
-    const double chief_scale = q / (1 - (1 - q) * kappa);
+    // From a pixel's place to x_0, about the principal point. Of chief rays: (b_L0 + B) / f_L,
+    // whatever the depth, if Eq. (8) applies.
+    double chief_scale = q / (1 - (1 - q) * kappa);
+    if (camera.focused_image == FocusedImage::kChiefRays) {
+      chief_scale *= (camera.main_lens_mla_distance + camera.sensor_mla_distance / q) /
+                     camera.focal_length;  // b_L / f_L
+    }
     const Eigen::Vector2d chief =
         DistortRaw(camera, c + (RawFromFocused(camera, detected.px) - c) * chief_scale);
     CornerObservation corner;

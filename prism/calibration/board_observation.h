@@ -16,9 +16,10 @@ namespace prism {
 // The board in a totally focused image: corners there, and at each the measured inverse virtual
 // depths around it (a plane fitted to them robustly, as far as half a square). `camera`: what the
 // light field was computed with; any that resembles the true one will do. `dense`: inverse virtual
-// depth that the image was focused with (0: unknown), which says through which micro images a
-// corner was seen; empty: the measured ones say it. Corners without enough depth around are left
-// out; the view is empty if there is no board.
+// depth that the image was focused with (0: unknown), which in images of virtual points says
+// through which micro images a corner was seen; empty: the measured ones say it. In images of chief
+// rays corners do not move with it, and their places are better known (FocusedImage). Corners
+// without enough depth around are left out; the view is empty if there is no board.
 BoardView ObserveBoard(const CalibrationBoard& board,
                        const PlenopticCamera& camera,
                        const LightFieldFrame& frame,

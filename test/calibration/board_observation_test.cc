@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include <glog/logging.h>
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -105,38 +106,63 @@ TEST(LocalDepth, AsksForDepthAround) {
   EXPECT_TRUE(FitLocalDepth(frame, {85, 50}, 15));
 }
 
-// What the header promises: whatever camera the light field was made with, the observation is the
-// true one.
-TEST(BoardObservation, DoesNotDependOnTheCameraTheLightFieldWasMadeWith) {
-  const PlenopticCamera truth = CameraToCalibrate();
-  PlenopticCamera other = truth;
-  other.focal_length = 16e-3;
-  other.sensor_mla_distance = 0.43e-3;
-  other.main_lens_mla_distance = other.focal_length - 2.1 * other.sensor_mla_distance;
-  other.raw_principal_point = {1000, 1030};
+// What an owner starts from, and what a light field with it makes of a corner: the virtual point
+// whose image moves from micro image to micro image as the true one's does.
+class BoardObservationWithAnotherCamera : public ::testing::Test {
+ protected:
+  BoardObservationWithAnotherCamera() {
+    other_.focal_length = 16e-3;
+    other_.sensor_mla_distance = 0.43e-3;
+    other_.main_lens_mla_distance = other_.focal_length - 2.1 * other_.sensor_mla_distance;
+    other_.raw_principal_point = {1000, 1030};
+    const double kappa = other_.main_lens_mla_distance /
+                         (other_.main_lens_mla_distance + other_.sensor_mla_distance);
+    w_ = 1 - exact_.slope / kappa;
+    lens_ = MicroLensCenter(other_, exact_.micro_image_px);
+    RawAppearance<double> appearance;
+    const CameraParameters parameters = ParametersOf(truth_);
+    CHECK(Appear(FixedFigures(truth_), parameters.data(), x_C_, &appearance));
+    chief_px_ = appearance.chief_px;
+    frame_.inverse_virtual_depth = ImageF(1024, 1024, static_cast<float>(w_));
+    frame_.sigma = ImageF(1024, 1024, 0.002f);
+  }
 
-  const Eigen::Vector3d x_C(0.12, -0.2, 0.9);
-  const CornerObservation exact = ObserveExactly(truth, x_C, 0);
-  // What a light field with `other` makes of it: the virtual point whose image moves from micro
-  // image to micro image as the true one's does.
-  const double kappa =
-      other.main_lens_mla_distance / (other.main_lens_mla_distance + other.sensor_mla_distance);
-  const double w = 1 - exact.slope / kappa;
-  const Eigen::Vector2d lens = MicroLensCenter(other, exact.micro_image_px);
-  const Eigen::Vector2d x_V = (exact.px - lens) / w + lens;
-  const Eigen::Vector2d focused = FocusedFromRaw(other, x_V);
+  void ExpectExact(const BoardView& view) const {
+    ASSERT_EQ(view.corners.size(), 1u);
+    EXPECT_EQ(view.corners[0].corner, 7);
+    EXPECT_NEAR(view.corners[0].slope, exact_.slope, 1e-7);
+    EXPECT_LT((view.corners[0].ChiefPx() - chief_px_).norm(), 1e-3);
+  }
 
-  LightFieldFrame frame;
-  frame.inverse_virtual_depth = ImageF(1024, 1024, static_cast<float>(w));
-  frame.sigma = ImageF(1024, 1024, 0.002f);
-  const BoardView view = ObserveCorners({{7, focused, 40}}, other, frame, ImageF());
-  ASSERT_EQ(view.corners.size(), 1u);
-  EXPECT_EQ(view.corners[0].corner, 7);
-  EXPECT_NEAR(view.corners[0].slope, exact.slope, 1e-7);
-  RawAppearance<double> appearance;
-  const CameraParameters parameters = ParametersOf(truth);
-  ASSERT_TRUE(Appear(FixedFigures(truth), parameters.data(), x_C, &appearance));
-  EXPECT_LT((view.corners[0].px - appearance.chief_px).norm(), 1e-3);
+  const PlenopticCamera truth_ = CameraToCalibrate();
+  PlenopticCamera other_ = truth_;
+  const Eigen::Vector3d x_C_{0.12, -0.2, 0.9};
+  const CornerObservation exact_ = ObserveExactly(truth_, x_C_, 0);
+  double w_ = 0;
+  Eigen::Vector2d lens_, chief_px_;
+  LightFieldFrame frame_;
+};
+
+TEST_F(BoardObservationWithAnotherCamera, IsTheTrueOne) {
+  const Eigen::Vector2d x_V = (exact_.px - lens_) / w_ + lens_;
+  ExpectExact(ObserveCorners({{7, FocusedFromRaw(other_, x_V), 40}}, other_, frame_, ImageF()));
+}
+
+// The lens in whose micro image a pixel of chief rays is at the centre shows it there whatever
+// depth the image was focused at.
+TEST_F(BoardObservationWithAnotherCamera, IsTheTrueOneInImagesOfChiefRaysFocusedAnywhere) {
+  other_.focused_image = FocusedImage::kChiefRays;
+  const Eigen::Vector2d c = other_.raw_principal_point;
+  for (const double focused_at : {w_, w_ + 0.05, w_ - 0.05}) {
+    const double b_L =
+        other_.main_lens_mla_distance + other_.sensor_mla_distance / focused_at;  // Eq. (4)
+    // The virtual point at that depth which the lens at x_0 shows in the middle.
+    const Eigen::Vector2d centre = MicroLensCenter(other_, chief_px_);
+    const Eigen::Vector2d x_V = (chief_px_ - centre) / focused_at + centre;
+    const Eigen::Vector2d pixel = (x_V - c) * other_.focal_length / b_L + c;
+    const ImageF dense(1024, 1024, static_cast<float>(focused_at));
+    ExpectExact(ObserveCorners({{7, FocusedFromRaw(other_, pixel), 40}}, other_, frame_, dense));
+  }
 }
 
 }  // namespace
