@@ -17,12 +17,10 @@ constexpr double kLargestFocalSigma = 0.02;      // of f_L
 constexpr double kLargestSensorSigma = 0.05;     // of B
 constexpr double kLargestPrincipalSigma = 0.02;  // of the image width
 // Distortion is carried by the data where its standard deviation is a displacement of so many raw
-// px at the rim of the image, that of the principal point beside it so many, and A1 so many of its
-// own.
+// px at the rim of the image, and that of the principal point beside it so many.
 constexpr double kCarriedSigma = 0.5;
 constexpr double kPrincipalCarriedSigma = 0.005;  // of the image width
-constexpr double kSignificant = 4;
-constexpr double kOutlier = 6;          // standard deviations
+constexpr double kOutlier = 6;                    // standard deviations
 constexpr double kSmallestPxScale = 1;  // for that test, of the stated deviation of a corner
 
 class Calibration {
@@ -192,7 +190,7 @@ class Calibration {
             high);
   }
 
-  // Coefficients are added as long as they are significant.
+  // Coefficients are added as long as the pictures tell them.
   void ChooseDistortion() {
     const auto free = [&](std::initializer_list<CameraParameter> parameters, bool flag) {
       for (const CameraParameter p : parameters) result_.held[p] = !flag;
@@ -222,16 +220,14 @@ class Calibration {
   }
 
   // Whether the pictures tell coefficients that were just set free. Those they do tell stay free
-  // even where they are near 0: held, they would bend the other figures. A1 has to be there.
+  // even where they are near 0: held, they would bend the other figures. A1 too small to be seen
+  // puts A0 off by ten times what is stated.
   bool Carries(const std::vector<CameraParameter>& coefficients) const {
     const double rim = 0.5 * start_.raw_width * start_.raw_pixel_size;
+    const double largest = kCarriedSigma * start_.raw_pixel_size;
     for (const CameraParameter p : coefficients) {
-      if (p == kRadial0 && !(Sigma(p) * std::pow(rim, 3) < kCarriedSigma * start_.raw_pixel_size)) {
-        return false;
-      }
-      if (p == kRadial1 && !(std::abs(result_.state.camera[p]) > kSignificant * Sigma(p))) {
-        return false;
-      }
+      if (p == kRadial0 && !(Sigma(p) * std::pow(rim, 3) < largest)) return false;
+      if (p == kRadial1 && !(Sigma(p) * std::pow(rim, 5) < largest)) return false;
     }
     // Tangential distortion and the principal point stand for each other in narrow views.
     return result_.held[kPrincipalX] || std::max(Sigma(kPrincipalX), Sigma(kPrincipalY)) <

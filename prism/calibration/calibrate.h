@@ -13,7 +13,7 @@
 namespace prism {
 
 enum class DistortionModel {
-  kAuto,    // A0 and tangential ones if the pictures tell them, A1 if it is there
+  kAuto,    // those that the pictures tell
   kNone,    // none: those of the camera it starts with stay
   kRadial,  // A0, A1
   kFull,    // A0, A1, B0, B1
