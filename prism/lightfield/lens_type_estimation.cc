@@ -18,9 +18,10 @@ namespace {
 constexpr int kLattices = 3;
 constexpr double kBinWidth = 0.01;  // of 1/v
 constexpr int kBins = 50;
-constexpr int kMinPoints = 300;         // that a bin counts
-constexpr double kEnoughPoints = 3000;  // more do not make a bin more certain
-constexpr double kMinEvidence = 1.2;
+constexpr int kMinPoints = 300;          // that a bin counts
+constexpr double kEnoughPoints = 3000;   // more do not make a bin more certain
+constexpr double kMinEvidence = 1.2;     // one type gives 1.04 to 1.13, three 1.29 and more
+constexpr size_t kFramesOfOrder = 3;     // of one alone one type gave up to 1.21
 constexpr double kMaxFocusSigma = 0.02;  // of 1/v
 constexpr double kMinBlur = 0.9;  // px^2: of a pixel, of the filter and of the difference in it
 constexpr double kMaxBlur = 20;
@@ -227,6 +228,24 @@ PlenopticCamera WithTypes(PlenopticCamera camera, const std::vector<MicroLensTyp
   return camera;
 }
 
+// Sums over some of the frames, evenly among them.
+CameraTrial TryTypes(const PlenopticCamera& camera,
+                     const std::vector<MicroLensType>& types,
+                     const cv::Mat& white,
+                     const LightFieldOptions& options,
+                     const std::vector<RawFrame>& frames) {
+  const size_t count = std::min(frames.size(), kFramesOfOrder);
+  CameraTrial sum;
+  for (size_t i = 0; i < count; ++i) {
+    const RawFrame& frame = frames[i * frames.size() / count];
+    const CameraTrial trial = TryCamera(WithTypes(camera, types), white, options, frame);
+    sum.measured += trial.measured;
+    sum.information += trial.information;
+    sum.gradient_energy += trial.gradient_energy;
+  }
+  return sum;
+}
+
 }  // namespace
 
 LensTypeFit EstimateLensTypes(const PlenopticCamera& camera,
@@ -239,7 +258,7 @@ LensTypeFit EstimateLensTypes(const PlenopticCamera& camera,
   std::array<int, kLattices> order = {0, 1, 2};
   do {
     const std::vector<MicroLensType> types = InOrder(*camera.micro_lens_grid, order);
-    const CameraTrial trial = TryCamera(WithTypes(camera, types), white, options, frames[0]);
+    const CameraTrial trial = TryTypes(camera, types, white, options, frames);
     most = std::max(most, trial.information);
     least = std::min(least, trial.information);
     if (trial.gradient_energy <= sharpest) continue;
@@ -267,7 +286,7 @@ LensTypeFit EstimateLensTypes(const PlenopticCamera& camera,
                                     std::abs(best[k] - best[(k + 2) % kLattices]));
     measured.push_back(TypeAt(best[k], to_next, fit.types[k].offset));
   }
-  const CameraTrial trial = TryCamera(WithTypes(camera, measured), white, options, frames[0]);
+  const CameraTrial trial = TryTypes(camera, measured, white, options, frames);
   fit.focus_measured = trial.gradient_energy >= sharpest;
   if (fit.focus_measured) fit.types = measured;
   return fit;

@@ -25,7 +25,8 @@ struct LensTypeFit {
 // Whether the micro lenses have one focal length or three, which lens has which, and what each is
 // focused on.
 //
-// 1. The first frame is processed with each order of three types with ranges as Raytrix arrays have
+// 1. Up to three of the frames are processed with each order of three types with ranges as Raytrix
+// arrays have
 //    them (1 to 3.2, 2.6 to 4.2, 3.5 to 100). To an array of one type all orders are the same; of
 //    three types those that compare lenses of like blur find more depth. `evidence` is the
 //    information (CameraTrial) of the best over that of the worst; below 1.2 there is one type.

@@ -57,13 +57,12 @@ void FindTypes(const cv::Mat& white,
   estimate->camera.micro_lens_grid->types = fit.types;
   if (fit.types.size() == 1) {
     estimate->report += Format(
-        "one lens type: three would be told by the first frame's depths (best over worst order "
-        "%.2f)\n",
+        "one lens type: three would be told by the frames' depths (best over worst order %.2f)\n",
         fit.evidence);
     return;
   }
   estimate->report +=
-      Format("three lens types (first frame's depths, best over worst order %.2f)\n", fit.evidence);
+      Format("three lens types (the frames' depths, best over worst order %.2f)\n", fit.evidence);
   if (fit.focus_measured) {
     estimate->report += Format("  sharpest at 1/v = %.3f, %.3f and %.3f, known to %.3f\n",
                                fit.focus[0],

@@ -92,6 +92,14 @@ TEST(LensTypeEstimation, FindsWhichLensIsFocusedOnWhat) {
   }
 }
 
+// A first frame that shows nothing has no depths to tell types by.
+TEST(LensTypeEstimation, DoesNotDependOnTheFirstFrameAlone) {
+  const PlenopticCamera camera = SmallCamera();
+  std::vector<RawFrame> frames = Frames(camera, {0.40, 0.30, 0.18});
+  frames[0].image.setTo(128);
+  EXPECT_EQ(EstimateLensTypes(camera, cv::Mat(), {}, frames).types.size(), 3u);
+}
+
 TEST(LensTypeEstimation, OneTypeIsOneType) {
   const PlenopticCamera camera = SmallCamera();
   const LensTypeFit fit =
