@@ -16,6 +16,35 @@ constexpr size_t kFewestCorners = 6;
 // Images are looked at in twice their size, where markers of few pixels a cell are found.
 constexpr double kZoom = 2;
 
+// Whether one homography takes most corners of the markers to where they were seen. With another
+// number of squares in a row markers stand elsewhere, and the corners between them are no board's.
+bool FitLayout(const cv::aruco::CharucoBoard& board,
+               const std::vector<std::vector<cv::Point2f>>& markers,
+               const std::vector<int>& ids) {
+  constexpr double kLargestError = 0.2;  // of a square; a distorted board's are half of that
+  constexpr double kFewest = 0.6;        // of the corners
+  std::vector<cv::Point2f> on_board, in_image;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const auto known = std::find(board.ids.begin(), board.ids.end(), ids[i]);
+    if (known == board.ids.end()) continue;
+    const auto& corners = board.objPoints[static_cast<size_t>(known - board.ids.begin())];
+    for (size_t k = 0; k < corners.size(); ++k) {
+      on_board.emplace_back(corners[k].x, corners[k].y);
+      in_image.push_back(markers[i][k]);
+    }
+  }
+  if (on_board.size() < 8) return false;  // one marker fits any board
+  const cv::Mat map = cv::findHomography(in_image, on_board, cv::LMEDS);
+  if (map.empty()) return false;
+  std::vector<cv::Point2f> mapped;
+  cv::perspectiveTransform(in_image, mapped, map);
+  size_t fit = 0;
+  for (size_t i = 0; i < mapped.size(); ++i) {
+    fit += cv::norm(mapped[i] - on_board[i]) < kLargestError * board.getSquareLength();
+  }
+  return static_cast<double>(fit) >= kFewest * static_cast<double>(mapped.size());
+}
+
 std::vector<DetectedCorner> DetectCharuco(const CalibrationBoard& board, const cv::Mat& image) {
   const auto charuco = CharucoBoardOf(board);
   const auto parameters = cv::aruco::DetectorParameters::create();
@@ -26,7 +55,7 @@ std::vector<DetectedCorner> DetectCharuco(const CalibrationBoard& board, const c
   cv::aruco::detectMarkers(image, charuco->dictionary, markers, ids, parameters);
   std::vector<cv::Point2f> corners;
   std::vector<int> numbers;
-  if (!ids.empty()) {
+  if (FitLayout(*charuco, markers, ids)) {
     cv::aruco::interpolateCornersCharuco(markers, ids, image, charuco, corners, numbers);
   }
   std::vector<DetectedCorner> detected;

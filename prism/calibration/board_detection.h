@@ -20,8 +20,8 @@ struct DetectedCorner {
 // Corners of the board in an image (gray, 0 to 255), to a fraction of a pixel: OpenCV's
 // detectors, then the edges between squares.
 // Of a ChArUco board any part may be seen; a checkerboard has to be seen whole, and which way round
-// it is is left open if both its sides are even or both odd. Empty: no board, or fewer than 6
-// corners of it.
+// it is is left open if both its sides are even or both odd. Empty: no board, one of another number
+// of squares in a row, or fewer than 6 corners of it.
 std::vector<DetectedCorner> DetectBoard(const CalibrationBoard& board, const ImageF& image);
 
 }  // namespace prism

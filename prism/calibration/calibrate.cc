@@ -20,6 +20,7 @@ constexpr double kLargestPrincipalSigma = 0.02;  // of the image width
 // px at the rim of the image, and that of the principal point beside it so many.
 constexpr double kCarriedSigma = 0.5;
 constexpr double kPrincipalCarriedSigma = 0.005;  // of the image width
+constexpr double kMostStrangers = 0.2;            // of the pictures: more are a mixture
 constexpr double kOutlier = 6;                    // standard deviations
 constexpr double kSmallestPxScale = 1;  // for that test, of the stated deviation of a corner
 
@@ -36,6 +37,8 @@ class Calibration {
   }
 
   CalibrationResult Run() {
+    LeaveOutStrangers();
+    if (!result_.problem.empty()) return result_;
     const size_t pictures = CountViews();
     const auto state =
         StartCalibration(board_, start_, options_.hold_sensor_distance, &result_.views);
@@ -62,6 +65,28 @@ class Calibration {
     return std::count_if(result_.views.begin(), result_.views.end(), [](const BoardView& view) {
       return !view.corners.empty();
     });
+  }
+
+  // Pictures of another camera, or with another focus: a few are left out, more are a problem.
+  void LeaveOutStrangers() {
+    const std::vector<int> strangers = FindStrangers(board_, start_, result_.views);
+    if (strangers.empty()) return;
+    std::string names;
+    for (const int k : strangers) {
+      names += (names.empty() ? "" : ", ") + result_.views[k].name;
+    }
+    const std::string found = Format(
+        "depths and distances of %zu of %zu pictures do not fit those of the others (%s): "
+        "they are of another camera, or focus, zoom or aperture were not the same",
+        strangers.size(),
+        CountViews(),
+        names.c_str());
+    if (static_cast<double>(strangers.size()) > kMostStrangers * CountViews()) {
+      result_.problem = found;
+      return;
+    }
+    result_.findings.push_back("left out: " + found);
+    for (const int k : strangers) result_.views[k].corners.clear();
   }
 
   void Adjust() {

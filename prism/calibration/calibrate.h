@@ -68,6 +68,8 @@ struct CalibrationResult {
 //
 // What the pictures do not determine is held and reported (principal point, distortion; f_L where
 // it is known) or is a problem: f_L without tilted boards, b_L0 against B at one distance alone.
+// Pictures of another camera or focus (FindStrangers) are left out and reported, or are a problem
+// if they are more than a fifth.
 CalibrationResult Calibrate(const CalibrationBoard& board,
                             std::vector<BoardView> views,
                             const PlenopticCamera& start,

@@ -13,6 +13,11 @@ namespace {
 constexpr size_t kFewestCorners = 6;
 // Slopes of the line can be told from its intercept where 1 / (z - f_L) spreads by this share.
 constexpr double kSmallestSpread = 0.05;
+// Of v, and of the median over the views: less is what depths, and distances by a camera that is
+// only guessed, leave between views of one camera. 10 um of b_L0 are 1 % with a 16 mm lens.
+constexpr double kStrange = 0.01;
+constexpr double kStrangeOfMedian = 8;
+constexpr size_t kFewestViews = 4;  // that can outvote one
 
 struct Correspondences {
   std::vector<cv::Point3f> board;
@@ -106,6 +111,43 @@ bool FitLine(const std::vector<LinePoint>& points, double* v_inf, double* k) {
   return true;
 }
 
+cv::Matx33d IntrinsicsOf(const PlenopticCamera& camera) {
+  const double image_distance = camera.main_lens_mla_distance + camera.sensor_mla_distance;
+  const double focal_px = image_distance / camera.raw_pixel_size;
+  const Eigen::Vector2d& c = camera.raw_principal_point;
+  return {focal_px, 0, c.x(), 0, focal_px, c.y(), 0, 0, 1};
+}
+
+// Corners of a view that have a distance and a virtual depth.
+std::vector<LinePoint> LinePointsOf(const CalibrationBoard& board,
+                                    const PlenopticCamera& camera,
+                                    const BoardView& view,
+                                    const SE3& pose) {
+  const double kappa = MicroLensCenterScale(camera);
+  std::vector<LinePoint> points;
+  for (const CornerObservation& corner : view.corners) {
+    const double z = (pose * board.CornerPosition(corner.corner)).z();
+    const double w = camera.virtual_depth_sign() * (1 - corner.slope / kappa);
+    if (!(z > 1.01 * camera.focal_length) || !(w > 0)) continue;
+    const double v_sigma = corner.slope_sigma / (w * w);
+    points.push_back({1 / (z - camera.focal_length), 1 / w, 1 / (v_sigma * v_sigma)});
+  }
+  return points;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Of (v - v_inf - k x) / v.
+double MedianMisfit(const std::vector<LinePoint>& points, double v_inf, double k) {
+  std::vector<double> misfits;
+  for (const LinePoint& p : points) misfits.push_back((p.v - v_inf - k * p.x) / p.v);
+  return std::abs(Median(misfits));
+}
+
 }  // namespace
 
 std::optional<double> FocalLengthFromBoards(const CalibrationBoard& board,
@@ -127,6 +169,57 @@ std::optional<double> FocalLengthFromBoards(const CalibrationBoard& board,
   return focal_length;
 }
 
+std::vector<int> FindStrangers(const CalibrationBoard& board,
+                               const PlenopticCamera& camera,
+                               const std::vector<BoardView>& views) {
+  struct ViewOnLine {
+    int index;
+    std::vector<LinePoint> points;
+    double x, v;  // medians
+  };
+  std::vector<ViewOnLine> all;
+  double farthest = 0;
+  for (size_t k = 0; k < views.size(); ++k) {
+    const std::optional<SE3> pose = PoseOf(board, views[k], IntrinsicsOf(camera));
+    if (!pose) continue;
+    ViewOnLine view{static_cast<int>(k), LinePointsOf(board, camera, views[k], *pose), 0, 0};
+    if (view.points.empty()) continue;
+    std::vector<double> x, v;
+    for (const LinePoint& point : view.points) {
+      x.push_back(point.x);
+      v.push_back(point.v);
+    }
+    view.x = Median(x);
+    view.v = Median(v);
+    farthest = std::max(farthest, view.x);
+    all.push_back(std::move(view));
+  }
+  if (all.size() < kFewestViews) return {};
+  std::vector<double> misfits;  // of the best line
+  double least = INFINITY;
+  for (size_t i = 0; i < all.size(); ++i) {
+    for (size_t j = i + 1; j < all.size(); ++j) {
+      const double spread = all[j].x - all[i].x;
+      if (std::abs(spread) < kSmallestSpread * farthest) continue;
+      const double k = (all[j].v - all[i].v) / spread;
+      if (!(camera.virtual_depth_sign() * k > 0)) continue;
+      const double v_inf = all[i].v - k * all[i].x;
+      std::vector<double> of_line;
+      for (const ViewOnLine& view : all) of_line.push_back(MedianMisfit(view.points, v_inf, k));
+      const double median = Median(of_line);
+      if (!(median < least)) continue;
+      least = median;
+      misfits = of_line;
+    }
+  }
+  std::vector<int> strangers;
+  for (size_t i = 0; i < misfits.size(); ++i) {
+    if (misfits[i] > std::max(kStrange, kStrangeOfMedian * least))
+      strangers.push_back(all[i].index);
+  }
+  return strangers;
+}
+
 std::optional<CalibrationState> StartCalibration(const CalibrationBoard& board,
                                                  const PlenopticCamera& camera,
                                                  bool hold_sensor_distance,
@@ -139,18 +232,7 @@ std::optional<CalibrationState> StartCalibration(const CalibrationBoard& board,
   PlenopticCamera current = camera;
   bool any = false;
   for (int round = 0; round < 4; ++round) {  // poses know b_L0 + B, then v_inf and B
-    const double image_distance = current.main_lens_mla_distance + current.sensor_mla_distance;
-    const double focal_px = image_distance / current.raw_pixel_size;
-    const cv::Matx33d intrinsics(focal_px,
-                                 0,
-                                 current.raw_principal_point.x(),
-                                 0,
-                                 focal_px,
-                                 current.raw_principal_point.y(),
-                                 0,
-                                 0,
-                                 1);
-    const double kappa = MicroLensCenterScale(current);
+    const cv::Matx33d intrinsics = IntrinsicsOf(current);
     const double f = current.focal_length;
     std::vector<LinePoint> line;
     any = false;
@@ -163,12 +245,8 @@ std::optional<CalibrationState> StartCalibration(const CalibrationBoard& board,
       }
       state.cam_from_board[k] = *pose;
       any = true;
-      for (const CornerObservation& corner : view.corners) {
-        const double z = (*pose * board.CornerPosition(corner.corner)).z();
-        const double w = sign * (1 - corner.slope / kappa);
-        if (!(z > 1.01 * f) || !(w > 0)) continue;
-        const double v_sigma = corner.slope_sigma / (w * w);
-        line.push_back({1 / (z - f), 1 / w, 1 / (v_sigma * v_sigma)});
+      for (const LinePoint& point : LinePointsOf(board, current, view, *pose)) {
+        line.push_back(point);
       }
     }
     if (line.size() < 2 * kFewestCorners) return std::nullopt;

@@ -18,6 +18,15 @@ std::optional<double> FocalLengthFromBoards(const CalibrationBoard& board,
                                             const std::vector<BoardView>& views,
                                             const PlenopticCamera& camera);
 
+// Views that are not of the camera of most others, or not with its focus and zoom: of the lines
+// v = v_inf + k / (z - f_L) through two views each, the one with the least median misfit over the
+// views leaves them off by more than 1 % of v and 8 times that median. Distances are those of the
+// board with `camera`; an f_L that is wrong stretches all of them alike. Indices, increasing; empty
+// where fewer than 4 views have a pose, or no two lie far enough apart.
+std::vector<int> FindStrangers(const CalibrationBoard& board,
+                               const PlenopticCamera& camera,
+                               const std::vector<BoardView>& views);
+
 // Where the joint adjustment starts: poses of the board by PnP about the main lens' centre, where
 // chief rays meet (image distance b_L0 + B, to which f_L of `camera` is near enough); then the line
 // v = v_inf + k / (z - f_L) through all corners, robustly, for B = f_L^2 / k and v_inf. Views

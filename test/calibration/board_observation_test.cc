@@ -65,6 +65,18 @@ TEST(BoardDetection, FindsCornersToAFractionOfAPixel) {
   }
 }
 
+TEST(BoardDetection, AnotherNumberOfSquaresInARowIsNotTheBoard) {
+  const cv::Matx33d map(0.9, 0.1, 30, -0.12, 0.95, 90, 2e-4, 1e-4, 1);
+  const CalibrationBoard board;
+  const ImageF image = Picture(board, map, 760, 600);
+  ASSERT_FALSE(DetectBoard(board, image).empty());
+  for (const int columns : {7, 8, 10, 11}) {
+    CalibrationBoard other = board;
+    other.columns = columns;
+    EXPECT_TRUE(DetectBoard(other, image).empty()) << columns;
+  }
+}
+
 TEST(BoardDetection, NothingWhereThereIsNoBoard) {
   EXPECT_TRUE(DetectBoard(CalibrationBoard(), ImageF(300, 200, 128.0f)).empty());
 }

@@ -15,7 +15,9 @@
 namespace prism {
 namespace {
 
+using ::testing::Each;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // What an owner knows: the engraved focal length, and that B is some 0.4 mm.
 PlenopticCamera Guess() {
@@ -192,6 +194,37 @@ TEST(Calibrate, DistortionIsFoundWhereItIsAndNotWhereItIsNot) {
     const NamedFigure& figure = figures.figures[kRadial0 + i];
     EXPECT_LT(std::abs(figure.value - expected[i]), 4 * figure.sigma) << figure.name;
   }
+}
+
+// With b_L0 60 um longer, as a turn of the focus ring moves it.
+TEST(Calibrate, PicturesOfAnotherFocusAreNamed) {
+  const CalibrationBoard board;
+  const PlenopticCamera camera = CameraToCalibrate();
+  PlenopticCamera refocused = camera;
+  refocused.main_lens_mla_distance += 60e-6;
+  const auto ours = MakeViews(board, camera, SyntheticViews(), 1);
+  const auto others = MakeViews(board, refocused, SyntheticViews(), 2);
+
+  auto few = ours, without = ours;
+  for (const int k : {3, 11}) {
+    few[k] = others[k];
+    few[k].name = "other " + std::to_string(k);
+    without[k].corners.clear();
+  }
+  const CalibrationResult found = Calibrate(board, few, Guess(), CalibrateOptions());
+  EXPECT_EQ(found.problem, "");
+  ASSERT_FALSE(found.findings.empty());
+  EXPECT_THAT(found.findings.front(), HasSubstr("2 of 20 pictures"));
+  EXPECT_THAT(found.findings.front(), HasSubstr("(other 3, other 11)"));
+  const CalibrationResult expected = Calibrate(board, without, Guess(), CalibrateOptions());
+  EXPECT_THAT(expected.findings, Each(Not(HasSubstr("left out:"))));
+  EXPECT_EQ(found.camera.main_lens_mla_distance, expected.camera.main_lens_mla_distance);
+
+  auto many = ours;
+  for (int k = 0; k < 8; ++k) many[k] = others[k];
+  const CalibrationResult refused = Calibrate(board, many, Guess(), CalibrateOptions());
+  EXPECT_THAT(refused.problem, HasSubstr("8 of 20 pictures"));
+  EXPECT_THAT(refused.problem, HasSubstr("another camera"));
 }
 
 TEST(Calibrate, AWrongBoardIsNotACamera) {
