@@ -17,10 +17,11 @@ RecalibrationResult RecalibrateSequence(const SequenceOptions& sequence_options,
   });
   for (size_t i = 0; i < result.passes.size(); ++i) {
     const RecalibrationPass& pass = result.passes[i];
-    std::printf("pass %zu: b_L0 moves by %+.2f um +- %.2f, %.0f %% of the frames tracked%s\n",
-                i + 1,
-                1e6 * pass.moved_m,
-                1e6 * pass.sigma_m,
+    std::printf("pass %zu: ", i + 1);
+    if (pass.sigma_m > 0) {
+      std::printf("b_L0 moves by %+.2f um +- %.2f, ", 1e6 * pass.moved_m, 1e6 * pass.sigma_m);
+    }
+    std::printf("%.0f %% of the frames tracked%s\n",
                 100 * pass.tracked,
                 pass.segments > 1 ? ", in several segments" : "");
   }

@@ -17,6 +17,7 @@ constexpr double kStepSigma = 1e-6;  // of 1/v
 // Of 1/v: errors of measured depth that go with distance pass for an error of b_L0 (docs/depth.md).
 constexpr double kSystematic = 0.0006;
 constexpr double kFewestTracked = 0.5;  // of the frames
+constexpr int kFewestKeyframes = 2;     // below, a window states no uncertainty
 constexpr double kTold = 0.5;           // of the prior's standard deviation
 
 // Sums over points of w^2, weighted as their measurements are.
@@ -38,6 +39,39 @@ struct SquaredDepths {
 struct Offset {
   double value = 0, sigma = 0;  // of 1/v
 };
+
+// What was missing in a pass that tells nothing of the offset; empty: nothing.
+std::string WhyNothingIsKnown(const RecalibrationPass& pass,
+                              int frames,
+                              int tracked,
+                              int keyframes,
+                              const std::optional<Offset>& offset,
+                              double depth_weights) {
+  if (frames == 0) return "no frames";
+  if (pass.tracked < kFewestTracked) {
+    return Format("%d of %d frames could be tracked", tracked, frames);
+  }
+  const std::string of_frames = Format("%d of %d frames were tracked, but ", tracked, frames);
+  if (keyframes < kFewestKeyframes) {
+    return of_frames + Format("they make %d keyframe%s, and it takes %d: the camera has to move",
+                              keyframes,
+                              keyframes == 1 ? "" : "s",
+                              kFewestKeyframes);
+  }
+  if (!offset) {
+    return of_frames +
+           Format(
+               "in none of %d keyframes was it determined how far their depths are off: more "
+               "motion in other directions, or more texture, would tell it",
+               keyframes);
+  }
+  if (depth_weights == 0) {
+    return of_frames +
+           "no measured depth fits what the images tell: the camera is off by more than a turn of "
+           "the focus ring";
+  }
+  return "";
+}
 
 }  // namespace
 
@@ -63,7 +97,7 @@ RecalibrationResult Recalibrate(const PlenopticCamera& camera,
     Odometry odometry(result.camera, odometry_options);
     SquaredDepths depths;
     std::optional<Offset> offset;
-    int frames = 0, tracked = 0;
+    int frames = 0, tracked = 0, keyframes = 0;
     RecalibrationPass pass;
     const FrameStream next = open();
     while (std::optional<LightFieldFrame> frame = next()) {
@@ -71,23 +105,22 @@ RecalibrationResult Recalibrate(const PlenopticCamera& camera,
       ++frames;
       tracked += HasPose(found.status);
       pass.segments = found.segment + 1;
+      keyframes += found.is_keyframe;
       if (const auto& known = found.keyframe.optimization.uncertainty) {
         offset = {known->depth_offset, known->depth_offset_sigma};
         depths.Add(odometry.window());
       }
     }
     pass.tracked = frames > 0 ? static_cast<double>(tracked) / frames : 0;
-    if (pass.tracked < kFewestTracked || !offset || depths.weights == 0) {
-      result.passes.push_back(pass);
-      result.problem = Format("%d of %d frames could be tracked", tracked, frames);
-      return result;
-    }
+    result.passes.push_back(pass);
+    result.problem = WhyNothingIsKnown(pass, frames, tracked, keyframes, offset, depths.weights);
+    if (!result.problem.empty()) return result;
     // dw / db_L0 = w^2 / B, in either mode with B > 0 and its sign.
     const double per_offset =
         camera.virtual_depth_sign() * camera.sensor_mla_distance / depths.Mean();
     pass.moved_m = per_offset * offset->value;
     pass.sigma_m = std::abs(per_offset) * std::hypot(offset->sigma, kSystematic);
-    result.passes.push_back(pass);
+    result.passes.back() = pass;
     result.sigma_m = pass.sigma_m;
     if (offset->sigma > kTold * options.prior_sigma) {
       result.problem =

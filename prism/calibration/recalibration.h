@@ -27,7 +27,7 @@ struct RecalibrationOptions {
 
 struct RecalibrationPass {
   double moved_m = 0;  // b_L0, in this pass
-  double sigma_m = 0;  // standard deviation of b_L0
+  double sigma_m = 0;  // standard deviation of b_L0; 0: nothing is known
   double tracked = 0;  // share of the frames
   int segments = 0;
 };

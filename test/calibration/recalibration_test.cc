@@ -88,5 +88,27 @@ TEST(Recalibration, FramesThatCannotBeTrackedAreAProblem) {
   EXPECT_THAT(result.problem, HasSubstr("0 of 10 frames"));
 }
 
+// Frames that are tracked and tell nothing are not called untracked.
+TEST(Recalibration, ACameraThatDoesNotMoveIsAProblem) {
+  const auto still = [] {
+    return [i = 0]() mutable -> std::optional<LightFieldFrame> {
+      if (i == 8) return std::nullopt;
+      LightFieldFrame frame = *Walk(1)();
+      frame.time_ns = i++ * int64_t{50'000'000};
+      return frame;
+    };
+  };
+  const RecalibrationResult result = Recalibrate(SyntheticCamera(Scene()), TestOptions(), still);
+  EXPECT_EQ(result.problem,
+            "8 of 8 frames were tracked, but they make 1 keyframe, and it takes 2: the camera has "
+            "to move");
+}
+
+TEST(Recalibration, NoFramesAreAProblem) {
+  const auto none = [] { return []() -> std::optional<LightFieldFrame> { return std::nullopt; }; };
+  const RecalibrationResult result = Recalibrate(SyntheticCamera(Scene()), TestOptions(), none);
+  EXPECT_EQ(result.problem, "no frames");
+}
+
 }  // namespace
 }  // namespace prism
