@@ -101,6 +101,7 @@ CalibrateOptions ReadOptions() {
   options.focal_length_is_known = FLAGS_focal_length_mm > 0;
   options.hold_focal_length = FLAGS_hold_focal_length;
   options.hold_sensor_distance = FLAGS_sensor_mla_distance_mm > 0;
+  options.sensor_distance_is_known = !FLAGS_camera.empty();
   if (!ParseDistortionModel(FLAGS_distortion, &options.distortion)) {
     throw InputError("--distortion", "'" + FLAGS_distortion + "'", "auto, none, radial or full");
   }

@@ -20,8 +20,11 @@ constexpr double kLargestPrincipalSigma = 0.02;  // of the image width
 // px at the rim of the image, and that of the principal point beside it so many.
 constexpr double kCarriedSigma = 0.5;
 constexpr double kPrincipalCarriedSigma = 0.005;  // of the image width
-constexpr double kMostStrangers = 0.2;            // of the pictures: more are a mixture
-constexpr double kOutlier = 6;                    // standard deviations
+// Of B: no focus ring and no temperature change it by so much.
+constexpr double kOtherB = 0.02;
+constexpr double kOtherBSigmas = 5;
+constexpr double kMostStrangers = 0.2;  // of the pictures: more are a mixture
+constexpr double kOutlier = 6;          // standard deviations
 constexpr double kSmallestPxScale = 1;  // for that test, of the stated deviation of a corner
 
 class Calibration {
@@ -56,6 +59,7 @@ class Calibration {
     result_.state = *state;
     Settle();
     if (result_.problem.empty()) ChooseDistortion();
+    CompareSensorDistance();
     Finish();
     return result_;
   }
@@ -294,6 +298,20 @@ class Calibration {
     r.head<2>() = (1 - slope) * appearance.chief_px + slope * corner.micro_image_px - corner.px;
     r[2] = appearance.Slope(fixed_.sign * result_.state.depth_offsets[k]) - corner.slope;
     return r;
+  }
+
+  void CompareSensorDistance() {
+    if (!options_.sensor_distance_is_known || result_.held[kSensorDistance]) return;
+    const double ratio = result_.state.camera[kSensorDistance] / start_.sensor_mla_distance;
+    const double sigma = Sigma(kSensorDistance) / result_.state.camera[kSensorDistance];
+    if (!(std::abs(ratio - 1) > std::max(kOtherB, kOtherBSigmas * sigma))) return;
+    result_.findings.push_back(
+        Format("B is %.1f %% %s than that of the camera it started with: if that is right, squares "
+               "are %.2f mm wide, not %.2f",
+               100 * std::abs(ratio - 1),
+               ratio > 1 ? "larger" : "smaller",
+               1e3 * board_.square_m * ratio,
+               1e3 * board_.square_m));
   }
 
   double DistanceOf(size_t k) const {

@@ -26,6 +26,10 @@ struct CalibrateOptions {
   bool focal_length_is_known = false;
   bool hold_focal_length = false;
   bool hold_sensor_distance = false;  // B likewise
+  // B of the camera it starts with is the maker's or was calibrated before. It is found anew, but
+  // where it comes out another one the board's squares may have another size than given (B goes
+  // with one over it), which nothing else tells: that is a finding.
+  bool sensor_distance_is_known = false;
   DistortionModel distortion = DistortionModel::kAuto;
 };
 

@@ -227,6 +227,21 @@ TEST(Calibrate, PicturesOfAnotherFocusAreNamed) {
   EXPECT_THAT(refused.problem, HasSubstr("another camera"));
 }
 
+TEST(Calibrate, SquaresOfAnotherSizeAreToldByAKnownSensorDistance) {
+  CalibrationBoard board;
+  CalibrateOptions known;
+  known.sensor_distance_is_known = true;
+  const auto views = MakeViews(board, CameraToCalibrate(), SyntheticViews(), 1);
+  const CalibrationResult right = Calibrate(board, views, CameraToCalibrate(), known);
+  EXPECT_THAT(right.findings, Each(Not(HasSubstr("squares"))));
+  board.square_m = 0.038;  // they are of 40 mm
+  const CalibrationResult wrong = Calibrate(board, views, CameraToCalibrate(), known);
+  ASSERT_FALSE(wrong.findings.empty());
+  EXPECT_THAT(wrong.findings.back(), HasSubstr("B is 5."));
+  EXPECT_THAT(wrong.findings.back(), HasSubstr("larger"));
+  EXPECT_THAT(wrong.findings.back(), HasSubstr("not 38.00"));
+}
+
 TEST(Calibrate, AWrongBoardIsNotACamera) {
   const CalibrationBoard board;
   auto views = MakeViews(board, CameraToCalibrate(), SyntheticViews(), 1);
