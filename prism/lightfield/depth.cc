@@ -144,7 +144,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(const PreparedRaw& raw,
   if (count < 2) return {};
   const float start = w;
   const float max_step = static_cast<float>(options_.search_step);
-  const float* colours[LensTable::kMaxViews] = {};
+  const uint8_t* colours[LensTable::kMaxViews] = {};
   PatchSums sums{};
   float cost = 0;
   for (int iteration = 1;; ++iteration) {

@@ -103,7 +103,7 @@ double LensAxisAngleDeg(const std::vector<Eigen::Vector2d>& axes, const Eigen::V
 
 std::optional<double> SampleMicroImage(const PreparedRaw& raw, int colour, double x, double y) {
   if (!raw.gray.view().Contains(x, y, 1) ||
-      raw.lens_colour(static_cast<int>(x), static_cast<int>(y)) != static_cast<float>(colour + 1)) {
+      raw.lens_colour(static_cast<int>(x), static_cast<int>(y)) != colour + 1) {
     return std::nullopt;
   }
   return InterpolateBilinear(raw.smooth.phase[0][0], x, y).value;

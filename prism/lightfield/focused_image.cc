@@ -27,7 +27,7 @@ float TypeSharpness(const MicroLensGrid& grid, int type, float w) {
 void RenderFocusedImage(const PlenopticCamera& camera,
                         const LensTable& lenses,
                         const ImageF& raw,
-                        const ImageF& lens_colour,
+                        const Image<uint8_t>& lens_colour,
                         const ImageF& dense_inverse_virtual_depth,
                         ImageF* image) {
   const int width = camera.focused_width();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "prism/camera/plenoptic_camera.h"
 #include "prism/image/image.h"
 #include "prism/lightfield/lens_table.h"
@@ -17,7 +19,7 @@ namespace prism {
 void RenderFocusedImage(const PlenopticCamera& camera,
                         const LensTable& lenses,
                         const ImageF& raw,
-                        const ImageF& lens_colour,
+                        const Image<uint8_t>& lens_colour,
                         const ImageF& dense_inverse_virtual_depth,
                         ImageF* image);
 

@@ -41,9 +41,7 @@ bool GradientEnergy(
   // Of a component of the central difference under (1 2 1) x (1 2 1) / 16, over that of the noise.
   constexpr double kNoiseOfComponent = 0.0586;
   const ImageF& smooth = raw.smooth.phase[0][0];
-  const auto is_good = [&](int u, int v) {
-    return raw.lens_colour(u, v) == static_cast<float>(colour + 1);
-  };
+  const auto is_good = [&](int u, int v) { return raw.lens_colour(u, v) == colour + 1; };
   if (!smooth.view().Contains(x, y, 3) || !is_good(x - 2, y) || !is_good(x + 1, y) ||
       !is_good(x, y - 2) || !is_good(x, y + 1)) {
     return false;

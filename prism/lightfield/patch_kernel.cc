@@ -32,6 +32,14 @@ hn::Vec<D> LoadBlended(D d, const PatchSample& sample, int corner, std::ptrdiff_
   return hn::MulAdd(hn::Set(d, sample.blend), hn::Sub(blurred, sharp), sharp);
 }
 
+// Lanes whose colour is `colour`.
+template <class D>
+hn::Mask<D> IsColour(D d, const uint8_t* colours, uint8_t colour) {
+  const hn::RebindToSigned<D> di;
+  const auto found = hn::PromoteTo(di, hn::LoadU(hn::Rebind<uint8_t, D>(), colours));
+  return hn::RebindMask(d, hn::Eq(found, hn::Set(di, colour)));
+}
+
 template <bool kDerivatives>
 PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
   constexpr int kRows = 2 * kPatchRadius + 1;
@@ -68,8 +76,7 @@ PatchSums Sum(const PatchSample* samples, int count, std::ptrdiff_t stride) {
         V value = hn::MulAdd(fy, dy, top);
         if (k == 0) origin = value;
         value = hn::Sub(value, origin);
-        const V colours = hn::LoadU(d, sample.colours + p);
-        const auto good = hn::Eq(colours, hn::Set(d, sample.colour));
+        const auto good = IsColour(d, sample.colours + p, sample.colour);
         value = hn::IfThenElseZero(good, value);
         sum_q = hn::Add(sum_q, hn::IfThenElseZero(good, one));
         sum_i = hn::Add(sum_i, value);
@@ -132,7 +139,7 @@ PatchSums SumCoarsePatchCostsImpl(const CoarseSample* samples, int count, std::p
           value = hn::MulAdd(hn::Set(d, sample.blend), hn::Sub(blurred, value), value);
         }
         if (k == 0) origin = value;
-        const auto good = hn::Eq(hn::LoadU(d, sample.colours + p), hn::Set(d, sample.colour));
+        const auto good = IsColour(d, sample.colours + p, sample.colour);
         value = hn::IfThenElseZero(good, hn::Sub(value, origin));
         sum_q = hn::Add(sum_q, hn::IfThenElseZero(good, one));
         sum_i = hn::Add(sum_i, value);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "prism/lightfield/half_pixel_image.h"
 
@@ -22,9 +23,9 @@ struct PatchSample {
   HalfPixelImage::Cell image;
   HalfPixelImage::Cell blurred;  // at the same position; read where blend > 0
   float blend;                   // values are image + blend (blurred - image)
-  const float* colours;          // of the whole pixel up and left of the sample
+  const uint8_t* colours;        // of the whole pixel up and left of the sample
   float dx, dy;                  // motion of the patch per unit of 1/v, px
-  float colour;                  // samples whose colour differs are left out
+  uint8_t colour;                // samples whose colour differs are left out
 };
 
 // Sums over the samples s of a patch and the n_s lenses k that see it, with patch weight p_s, value
@@ -55,8 +56,8 @@ struct CoarseSample {
   const float* image;    // at the patch's top-left sample
   const float* blurred;  // read where blend > 0
   float blend;
-  const float* colours;
-  float colour;
+  const uint8_t* colours;
+  uint8_t colour;
 };
 
 // Cost and freedom of every second row at the nearest half pixels, brought to what they would be of

@@ -9,8 +9,8 @@ namespace {
 struct Placement {
   float x, y;  // raw px
   float blend;
-  const ImageF& colours;  // where a filter of that strength leaves good pixels
-  float colour;
+  const Image<uint8_t>& colours;  // where a filter of that strength leaves good pixels
+  uint8_t colour;
 };
 
 Placement Place(const PreparedRaw& raw,
@@ -23,7 +23,7 @@ Placement Place(const PreparedRaw& raw,
           view.y - kPatchRadius,
           blend,
           blend > 0 ? raw.lens_colour_smoother : raw.lens_colour,
-          static_cast<float>(lens.colour + 1)};
+          static_cast<uint8_t>(lens.colour + 1)};
 }
 
 }  // namespace

@@ -118,13 +118,13 @@ void InteriorRow(const Image<uint8_t>& good, int y, uint8_t* interior) {
 }
 
 // Where bilinear interpolation in [x, x+1] x [y, y+1] uses pixels of one micro image.
-void CellColourRow(const Image<uint8_t>& good, int y, float* colour) {
+void CellColourRow(const Image<uint8_t>& good, int y, uint8_t* colour) {
   if (y + 1 == good.height()) return;  // stays 0
   const uint8_t *here = good.row(y), *below = good.row(y + 1);
   for (int x = 0; x < good.width() - 1; ++x) {
-    const int c = here[x];
+    const uint8_t c = here[x];
     const int differs = (here[x + 1] ^ c) | (below[x] ^ c) | (below[x + 1] ^ c);
-    colour[x] = differs == 0 ? static_cast<float>(c) : 0.0f;
+    colour[x] = differs == 0 ? c : uint8_t{0};
   }
 }
 
@@ -277,10 +277,10 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
   const int height = lenses_.height();
   if (prepared->gray.empty()) {
     prepared->gray = ImageF(width, height);
-    prepared->lens_colour = ImageF(width, height, 0);
+    prepared->lens_colour = Image<uint8_t>(width, height, 0);
     SumGainSlopes(prepared);
     if (lenses_.HasSeveralFocalLengths()) {
-      prepared->lens_colour_smoother = ImageF(width, height, 0);
+      prepared->lens_colour_smoother = Image<uint8_t>(width, height, 0);
     }
   }
   const cv::Mat& image = OneChannel(raw);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -36,11 +37,11 @@ struct PreparedRaw {
   // Colour + 1 of the lens (LensTable) if bilinear interpolation of `smooth` in [x, x+1] x [y, y+1]
   // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
   // would shift the image inwards and bias the depth.
-  ImageF lens_colour;
+  Image<uint8_t> lens_colour;
   // For arrays of several focal lengths, else empty: `smooth` under (1 2 1) x (1 2 1) / 16 once
   // more, and where it is good. Blending towards it blurs a sharp lens as defocus blurs another.
   HalfPixelImage smoother;
-  ImageF lens_colour_smoother;
+  Image<uint8_t> lens_colour_smoother;
   // Gradient of the vignetting's gain in x and in y, the weighted sum over the pixels of a patch
   // (kPatchWeights) that are good in the white image, by the patch's centre. 1/px.
   ImageF gain_slope_x, gain_slope_y;

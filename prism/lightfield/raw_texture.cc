@@ -53,7 +53,7 @@ void RawTexture::Measure(const PreparedRaw& raw, double min_gradient) {
     for (int y = by * kBlock; y < std::min((by + 1) * kBlock, height - 1); ++y) {
       const float* row = smooth.row(y);
       const float* below = smooth.row(y + 1);
-      const float* colour = raw.lens_colour.row(y);
+      const uint8_t* colour = raw.lens_colour.row(y);
       for (int bx = 0; bx < width_; ++bx) {
         int count = 0;
         for (int x = bx * kBlock; x < std::min((bx + 1) * kBlock, width - 1); ++x) {

@@ -53,7 +53,7 @@ ReprojectionError MeasureReprojection(const PlenopticCamera& camera,
     const Eigen::Matrix2f undistort = distortion.inverse();
     const Eigen::Vector2f center(lens.lens_x, lens.lens_y);
     lenses.ForEachPixel(lens, [&](int x, int y) {
-      if (raw.lens_colour(x, y) != static_cast<float>(lens.colour + 1)) return;
+      if (raw.lens_colour(x, y) != lens.colour + 1) return;
       const Eigen::Vector2f from_image_center(static_cast<float>(x) - lens.image_x,
                                               static_cast<float>(y) - lens.image_y);
       const Eigen::Vector2f p =

@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <class D, class VI, class M, class V = hn::Vec<D>>
 HWY_INLINE void LoadNeighbours(D d,
                                const ImageF& raw,
-                               const ImageF& colours,
+                               const Image<uint8_t>& colours,
                                VI x0,
                                VI y0,
                                M seen,
@@ -26,7 +26,7 @@ HWY_INLINE void LoadNeighbours(D d,
                                V& v10,
                                V& v01,
                                V& v11,
-                               V& colour) {
+                               VI& colour) {
   const hn::RebindToSigned<D> di;
   constexpr int kLanes = hn::MaxLanes(D());
   const int first_x =
@@ -46,7 +46,8 @@ HWY_INLINE void LoadNeighbours(D d,
     v10 = hn::TableLookupLanes(top, right);
     v01 = hn::TableLookupLanes(bottom, at);
     v11 = hn::TableLookupLanes(bottom, right);
-    colour = hn::TableLookupLanes(hn::LoadU(d, colours.row(first_y) + first_x), at);
+    const auto bytes = hn::LoadU(hn::Rebind<uint8_t, D>(), colours.row(first_y) + first_x);
+    colour = hn::TableLookupLanes(hn::PromoteTo(di, bytes), hn::IndicesFromVec(di, here));
     return;
   }
   const auto index = hn::Add(hn::Mul(y0, hn::Set(di, raw.width())), x0);
@@ -55,12 +56,15 @@ HWY_INLINE void LoadNeighbours(D d,
   v10 = hn::GatherIndex(d, raw.data() + 1, index);
   v01 = hn::GatherIndex(d, below, index);
   v11 = hn::GatherIndex(d, below + 1, index);
-  colour = hn::GatherIndex(d, colours.data(), index);
+  HWY_ALIGN int32_t at[kLanes], found[kLanes];
+  hn::Store(index, di, at);
+  for (size_t i = 0; i < hn::Lanes(d); ++i) found[i] = colours.data()[at[i]];
+  colour = hn::Load(di, found);
 }
 
 void ResampleLensImpl(const Lens& lens,
                       const ImageF& raw,
-                      const ImageF& colours,
+                      const Image<uint8_t>& colours,
                       float radius_px,
                       const VirtualPointRun& run,
                       const float* sharpness,
@@ -92,12 +96,13 @@ void ResampleLensImpl(const Lens& lens,
     const auto y0 = hn::ConvertTo(di, y_safe);
     const auto fx = hn::Sub(x_safe, hn::ConvertTo(d, x0));
     const auto fy = hn::Sub(y_safe, hn::ConvertTo(d, y0));
-    hn::Vec<decltype(d)> v00, v10, v01, v11, colour;
+    hn::Vec<decltype(d)> v00, v10, v01, v11;
+    hn::Vec<decltype(di)> colour;
     LoadNeighbours(d, raw, colours, x0, y0, hn::RebindMask(di, seen), v00, v10, v01, v11, colour);
     const auto top = hn::MulAdd(fx, hn::Sub(v10, v00), v00);
     const auto bottom = hn::MulAdd(fx, hn::Sub(v11, v01), v01);
     const auto value = hn::MulAdd(fy, hn::Sub(bottom, top), top);
-    const auto good = hn::Eq(colour, set(static_cast<float>(lens.colour + 1)));
+    const auto good = hn::RebindMask(d, hn::Eq(colour, hn::Set(di, lens.colour + 1)));
     const auto inner = hn::NegMulAdd(squared, set(1 / (radius_px * radius_px)), set(1.001f));
     auto q = hn::Mul(hn::Mul(inner, inner), hn::Load(d, sharpness + lane));
     q = hn::Mul(q, hn::IfThenElse(good, one, set(1e-3f)));
@@ -118,7 +123,7 @@ HWY_EXPORT(ResampleLensImpl);
 
 void ResampleLens(const Lens& lens,
                   const ImageF& raw,
-                  const ImageF& colours,
+                  const Image<uint8_t>& colours,
                   float radius_px,
                   const VirtualPointRun& run,
                   const float* sharpness,

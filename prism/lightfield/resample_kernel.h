@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "prism/image/image.h"
 #include "prism/lightfield/lens_table.h"
 
@@ -24,7 +26,7 @@ struct VirtualPointRun {
 // time. `sum`, `weight` and `sharpness` have kResampleLanes elements, aligned to 64 bytes.
 void ResampleLens(const Lens& lens,
                   const ImageF& raw,
-                  const ImageF& colours,
+                  const Image<uint8_t>& colours,
                   float radius_px,
                   const VirtualPointRun& run,
                   const float* sharpness,

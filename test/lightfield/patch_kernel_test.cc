@@ -26,8 +26,8 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
       }
     }
   }
-  std::vector<float> colours(kStride * kStride);
-  for (float& colour : colours) colour = uniform(generator) < 0.8f ? 2.0f : 0.0f;
+  std::vector<uint8_t> colours(kStride * kStride);
+  for (uint8_t& colour : colours) colour = uniform(generator) < 0.8f ? 2 : 0;
   for (int count = 2; count <= 6; ++count) {
     std::vector<PatchSample> samples;
     for (int k = 0; k < count; ++k) {
@@ -63,7 +63,7 @@ TEST(PatchKernel, EqualPatchesCostNothing) {
   }
   HalfPixelImage image;
   FilterHalfPixels(ramp, &image);
-  const std::vector<float> colours(kStride * kStride, 1);
+  const std::vector<uint8_t> colours(kStride * kStride, 1);
   const PatchSample sample{image.At(3.25f, 3.5f), {}, 0, colours.data(), 3, 0, 1};
   PatchSample other = sample;
   other.dx = -3;
@@ -78,10 +78,11 @@ TEST(PatchKernel, CoarseCostsAreThoseOfEverySecondRowBroughtToAllRows) {
   constexpr int kStride = 40;
   std::mt19937_64 generator = SeededGenerator(4, 0);
   std::uniform_real_distribution<float> uniform(0, 1);
-  std::vector<float> pixels(kStride * kStride), blurred(kStride * kStride), colours(pixels.size());
+  std::vector<float> pixels(kStride * kStride), blurred(kStride * kStride);
+  std::vector<uint8_t> colours(pixels.size());
   for (float& pixel : pixels) pixel = 255 * uniform(generator);
   for (float& pixel : blurred) pixel = 255 * uniform(generator);
-  for (float& colour : colours) colour = uniform(generator) < 0.8f ? 3.0f : 0.0f;
+  for (uint8_t& colour : colours) colour = uniform(generator) < 0.8f ? 3 : 0;
   for (int count = 2; count <= 5; ++count) {
     std::vector<CoarseSample> samples;
     for (int k = 0; k < count; ++k) {

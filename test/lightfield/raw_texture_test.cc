@@ -15,7 +15,7 @@ PreparedRaw Noisy(double sigma, float step_at_right) {
   constexpr int kSize = 128;
   PreparedRaw raw;
   raw.gray = ImageF(kSize, kSize);
-  raw.lens_colour = ImageF(kSize, kSize, 1);
+  raw.lens_colour = Image<uint8_t>(kSize, kSize, 1);
   std::mt19937_64 generator = SeededGenerator(5, 0);
   std::normal_distribution<float> noise(0, static_cast<float>(sigma));
   for (int y = 0; y < kSize; ++y) {

@@ -20,7 +20,7 @@ struct Sample {
 // The definition in the header, one point at a time in double precision.
 Sample Resample(const Lens& lens,
                 const ImageF& raw,
-                const ImageF& colours,
+                const Image<uint8_t>& colours,
                 double radius_px,
                 double X,
                 double Y,
@@ -42,7 +42,7 @@ Sample Resample(const Lens& lens,
   Sample sample;
   sample.value = (1 - fy) * ((1 - fx) * raw(x0, y0) + fx * raw(x0 + 1, y0)) +
                  fy * ((1 - fx) * raw(x0, y0 + 1) + fx * raw(x0 + 1, y0 + 1));
-  const bool own = colours(x0, y0) == static_cast<float>(lens.colour + 1);
+  const bool own = colours(x0, y0) == lens.colour + 1;
   sample.weight = sharpness * std::pow(1 - squared / (radius_px * radius_px), 2) * (own ? 1 : 1e-3);
   return sample;
 }
@@ -54,7 +54,7 @@ TEST(ResampleKernel, EqualsItsDefinitionPointByPoint) {
   std::mt19937_64 generator = SeededGenerator(11, 0);
   std::uniform_real_distribution<float> gray(0, 255), depth(0.1f, 0.48f), part(0, 1);
   ImageF raw(table.width(), table.height(), 0);
-  ImageF colours(table.width(), table.height(), 0);
+  Image<uint8_t> colours(table.width(), table.height(), 0);
   for (size_t k = 0; k < raw.size(); ++k) {
     raw.data()[k] = gray(generator);
     // A tenth of the pixels is masked.
