@@ -7,10 +7,15 @@
 namespace prism {
 
 void SmoothRow(const ImageViewF& image, int y, float* smooth) {
-  const int width = image.width;
-  const float* above = image.row(std::max(y - 1, 0));
-  const float* here = image.row(y);
-  const float* below = image.row(std::min(y + 1, image.height - 1));
+  SmoothRow(image.row(std::max(y - 1, 0)),
+            image.row(y),
+            image.row(std::min(y + 1, image.height - 1)),
+            image.width,
+            smooth);
+}
+
+void SmoothRow(
+    const float* above, const float* here, const float* below, int width, float* smooth) {
   smooth[0] = here[0];
   smooth[width - 1] = here[width - 1];
   for (int x = 1; x < width - 1; ++x) {

@@ -6,7 +6,7 @@
 
 #include <glog/logging.h>
 
-#include "prism/lightfield/preparation.h"
+#include "prism/lightfield/smooth_rows.h"
 
 namespace prism {
 

@@ -22,7 +22,7 @@ class DefocusMatch {
 
   bool Uses(int type) const { return (types_ >> type & 1u) != 0; }
   unsigned types() const { return types_; }  // bit k: type k is used
-  // How far, 0 to 1, a used type is blended from PreparedRaw::smooth to PreparedRaw::smoother.
+  // How far, 0 to 1, a used type is blended from SmoothRows::smooth to SmoothRows::smoother.
   float Blend(int type) const { return blend_[type]; }
 
  private:

@@ -26,6 +26,13 @@ constexpr float kMaskReach = 0.01f;  // of 1/v: a quarter of a pixel between nei
 constexpr int kDraftStep = 2;        // nodes, in x and in y
 constexpr int kDraftsAround = 2;
 
+constexpr float kFarTexture = 1.6f * kPatchSigma;  // from its node, in the micro images
+
+// Half-pixel images of a frame are kept as a whole up to this size, bytes; making them in bands is
+// no faster.
+constexpr size_t kManyBytes = size_t{128} << 20;
+constexpr int kLeastBand = 128;  // rows a band of larger ones moves on, at least; raw px
+
 using Samples = std::array<PatchSample, LensTable::kMaxViews>;
 
 // Sum of |d(x, y)/dw|^2.
@@ -107,6 +114,16 @@ DepthEstimator::DepthEstimator(const PlenopticCamera& camera,
   if (options_.min_inverse_virtual_depth == 0) {
     options_.min_inverse_virtual_depth = NearestInverseVirtualDepth(camera);
   }
+  int rows = 0;
+  const auto include = [&](const std::pair<int, int>& looked_at) {
+    rows = std::max(rows, looked_at.second - looked_at.first + kLeastBand);
+  };
+  for (int j = 0; j < seeds_.height; ++j) include(RowsOfCells(j, j + 1));
+  for (int j = 0; j < nodes_.height(); ++j) include(RowsOfNodes(j, j + 1));
+  const bool is_smoothed_twice = lenses.HasSeveralFocalLengths();
+  const size_t bytes_a_row = (is_smoothed_twice ? 32 : 16) * static_cast<size_t>(lenses.width());
+  rows = std::max(rows, static_cast<int>(kManyBytes / bytes_a_row));
+  rows_ = SmoothRows(lenses.width(), lenses.height(), rows, is_smoothed_twice);
 }
 
 DepthEstimator::Cells::Cells(int image_width, int image_height, int side, int around)
@@ -122,6 +139,43 @@ void DepthEstimator::Cells::ForEachAround(int i, int j, int cells, const Visit& 
     for (int u = std::max(i - cells, 0); u <= std::min(i + cells, width - 1); ++u) {
       if ((*this)(u, v).w > 0) visit((*this)(u, v));
     }
+  }
+}
+
+std::pair<int, int> DepthEstimator::RowsLookedAt(float Y0, float Y1) const {
+  const float w0 = static_cast<float>(options_.min_inverse_virtual_depth);
+  const float w1 = static_cast<float>(options_.max_inverse_virtual_depth);
+  const auto rows = lenses_.RowsAround(Y0, Y1, w0, w1, lenses_.radius_px());
+  const float margin = kPatchMargin + kMaskReach * rows.longest_motion;
+  const float height = static_cast<float>(lenses_.height());
+  return {static_cast<int>(std::clamp(rows.first - margin, 0.0f, height)),
+          static_cast<int>(std::clamp(rows.last + margin + 1, 0.0f, height))};
+}
+
+std::pair<int, int> DepthEstimator::RowsOfCells(int begin, int end) const {
+  const float spacing = static_cast<float>(options_.seed_spacing);
+  return RowsLookedAt(RawPosition(0, static_cast<float>(begin) * spacing - 0.5f).y(),
+                      RawPosition(0, static_cast<float>(end) * spacing - 0.5f).y());
+}
+
+// Texture may lie beside its node.
+std::pair<int, int> DepthEstimator::RowsOfNodes(int begin, int end) const {
+  const float beside = kFarTexture / static_cast<float>(options_.min_inverse_virtual_depth);
+  return RowsLookedAt(RawPosition(0, static_cast<float>(NodePixel(begin))).y() - beside,
+                      RawPosition(0, static_cast<float>(NodePixel(end - 1))).y() + beside);
+}
+
+template <typename RowsOf, typename Row>
+void DepthEstimator::ForRows(int count, const RowsOf& rows_of, const Row& row) {
+  for (int begin = 0, end = 0; begin < count; begin = end) {
+    std::pair<int, int> rows = rows_of(begin, begin + 1);
+    for (end = begin + 1; end < count; ++end) {
+      const std::pair<int, int> more = rows_of(begin, end + 1);
+      if (more.second - more.first > rows_.room()) break;
+      rows = more;
+    }
+    rows_.MoveTo(rows.first, rows.second);
+    tbb::parallel_for(begin, end, row);
   }
 }
 
@@ -148,7 +202,7 @@ DepthEstimator::Estimated DepthEstimator::Refine(const PreparedRaw& raw,
   PatchSums sums{};
   float cost = 0;
   for (int iteration = 1;; ++iteration) {
-    PlaceSamples(raw, lenses_, match, views, count, samples.data());
+    PlaceSamples(raw, rows_, lenses_, match, views, count, samples.data());
     for (int k = 0; k < count; ++k) {
       // The mask stays where it was: patches that move outwards would lose samples at the rim, and
       // an estimate too large would be dropped more often than one too small.
@@ -288,7 +342,7 @@ DepthEstimator::Estimated DepthEstimator::SearchCell(const PreparedRaw& raw, int
                          static_cast<float>(options_.ambiguity)};
   const float noise = static_cast<float>(texture_.noise()) * kSmoothNoise;
   const std::optional<SweepMinimum> minimum =
-      SweepInverseVirtualDepth(raw, lenses_, range, noise, seed.x(), seed.y());
+      SweepInverseVirtualDepth(raw, rows_, lenses_, range, noise, seed.x(), seed.y());
   if (!minimum) return {};
   Estimated result = Refine(raw, seed, minimum->w, 6);
   result.limit = minimum->limit;
@@ -334,13 +388,12 @@ DepthEstimator::Estimated DepthEstimator::MoveToTexture(const PreparedRaw& raw,
                                                         Estimated estimated) const {
   // Of a shift, in the micro images.
   constexpr float kNear = 0.4f * kPatchSigma;
-  constexpr float kFar = 1.6f * kPatchSigma;
   constexpr int kMostMoves = 2;
   const float scale = static_cast<float>(scale_);
   const float raw_px_of_focused = scale * estimated.w;
   Eigen::Vector2f shift = estimated.shift;
   for (int moves = 0;; ++moves) {
-    if (raw_px_of_focused * shift.norm() > kFar) return {};
+    if (raw_px_of_focused * shift.norm() > kFarTexture) return {};
     if (raw_px_of_focused * estimated.shift.norm() <= kNear) break;
     if (moves == kMostMoves) return {};
     estimated = Refine(raw, raw_px + scale * shift, estimated.w, 3);
@@ -370,19 +423,25 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
                               ImageF* inverse_virtual_depth,
                               ImageF* sigma) {
   texture_.Measure(raw, options_.min_gradient);
-  tbb::parallel_for(0, seeds_.height, [&](int j) {
+  rows_.Begin(raw.gray);
+  const auto rows_of_cells = [&](int begin, int end) { return RowsOfCells(begin, end); };
+  ForRows(seeds_.height, rows_of_cells, [&](int j) {
     for (int i = 0; i < seeds_.width; ++i) seeds_(i, j) = SearchCell(raw, i, j);
   });
   AcceptSeeds();
   DropTruncatedSeeds();
-  tbb::parallel_for(0, drafts_.height, [&](int j) {
+  const auto rows_of_drafts = [&](int begin, int end) {
+    return RowsOfNodes(kDraftStep * begin, kDraftStep * (end - 1) + 1);
+  };
+  ForRows(drafts_.height, rows_of_drafts, [&](int j) {
     for (int i = 0; i < drafts_.width; ++i) {
       const int x = NodePixel(kDraftStep * i);
       const int y = NodePixel(kDraftStep * j);
       drafts_(i, j) = x < width_ && y < height_ ? RefineFrom(seeds_, raw, x, y) : Estimated();
     }
   });
-  tbb::parallel_for(0, nodes_.height(), [&](int j) {
+  const auto rows_of_nodes = [&](int begin, int end) { return RowsOfNodes(begin, end); };
+  ForRows(nodes_.height(), rows_of_nodes, [&](int j) {
     for (int i = 0; i < nodes_.width(); ++i) {
       const Estimated estimated = RefineFrom(drafts_, raw, NodePixel(i), NodePixel(j));
       const Eigen::Vector2f shift = estimated.shift + ToPixel(i, j, estimated);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +15,7 @@
 #include "prism/lightfield/match_misfit.h"
 #include "prism/lightfield/preparation.h"
 #include "prism/lightfield/raw_texture.h"
+#include "prism/lightfield/smooth_rows.h"
 
 namespace prism {
 
@@ -65,6 +67,9 @@ struct DepthOptions {
 // 3. Nodes that a third of their neighbours contradict are dropped; the others become the mean of
 //    the neighbours that agree, and the pixels around them are interpolated. Neighbours share raw
 //    pixels, so sigma is the mean of theirs, as if their errors were the same.
+//
+// Large frames are gone through in bands of rows, three times, for the half-pixel images of a frame
+// take 16 to 32 bytes a pixel (SmoothRows).
 //
 // sigma^2 = noise_factor^2 s^2 / hessian + misfit_factor^2 share^2 / sum(d^2) + sigma_floor^2 with
 // s^2 the larger of the image noise and the mean squared residual, d the baselines of the lenses
@@ -138,11 +143,21 @@ class DepthEstimator {
   // shows it; focused px.
   Eigen::Vector2f ToPixel(int i, int j, const Estimated& estimated) const;
   float Reach(float w) const;  // DepthNodes
+  // Rows of the raw image that virtual points at rows Y0 to Y1, undistorted raw px, are looked for
+  // in: begin and end.
+  std::pair<int, int> RowsLookedAt(float Y0, float Y1) const;
+  std::pair<int, int> RowsOfCells(int begin, int end) const;
+  std::pair<int, int> RowsOfNodes(int begin, int end) const;
+  // Calls row(j) for rows 0 to count - 1 of cells or nodes, in parallel where rows_ holds what
+  // rows_of(begin, end) says of them.
+  template <typename RowsOf, typename Row>
+  void ForRows(int count, const RowsOf& rows_of, const Row& row);
 
   int width_, height_, scale_;
   const LensTable& lenses_;
   DepthOptions options_;
   RawTexture texture_;
+  SmoothRows rows_;
   MatchMisfit misfit_;
   Cells seeds_;
   Cells drafts_;

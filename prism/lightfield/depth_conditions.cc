@@ -11,6 +11,7 @@
 #include "prism/camera/projection.h"
 #include "prism/image/interpolation.h"
 #include "prism/lightfield/defocus_match.h"
+#include "prism/lightfield/half_pixel_image.h"
 #include "prism/lightfield/patch_kernel.h"
 
 namespace prism {
@@ -101,17 +102,23 @@ double LensAxisAngleDeg(const std::vector<Eigen::Vector2d>& axes, const Eigen::V
   return std::acos(std::min(cosine, 1.0)) * 180 / M_PI;
 }
 
-std::optional<double> SampleMicroImage(const PreparedRaw& raw, int colour, double x, double y) {
-  if (!raw.gray.view().Contains(x, y, 1) ||
+// What texture is looked for in.
+struct SmoothRaw {
+  const Image<uint8_t>& lens_colour;
+  ImageF image;
+};
+
+std::optional<double> SampleMicroImage(const SmoothRaw& raw, int colour, double x, double y) {
+  if (!raw.image.view().Contains(x, y, 1) ||
       raw.lens_colour(static_cast<int>(x), static_cast<int>(y)) != colour + 1) {
     return std::nullopt;
   }
-  return InterpolateBilinear(raw.smooth.phase[0][0], x, y).value;
+  return InterpolateBilinear(raw.image, x, y).value;
 }
 
 // Normalised correlation of the patches half of `lag` to either side of a view, where both lie in
 // its micro image; nothing if that is too little, 0 if there is no texture above the noise.
-std::optional<double> SelfCorrelation(const PreparedRaw& raw,
+std::optional<double> SelfCorrelation(const SmoothRaw& raw,
                                       int colour,
                                       const Eigen::Vector2d& view,
                                       const Eigen::Vector2d& lag,
@@ -142,7 +149,7 @@ std::optional<double> SelfCorrelation(const PreparedRaw& raw,
 }
 
 // Lag of the first maximum after a dip; NaN if there is none up to `max_lag`.
-double TexturePeriod(const PreparedRaw& raw,
+double TexturePeriod(const SmoothRaw& raw,
                      int colour,
                      const Eigen::Vector2d& view,
                      const Eigen::Vector2d& axis,
@@ -182,6 +189,7 @@ std::vector<LensView> ComparedViews(const LensTable& lenses,
 }
 
 void MeasureViews(const LightFieldProcessor& processor,
+                  const SmoothRaw& raw,
                   const std::vector<Eigen::Vector2d>& axes,
                   const Eigen::Vector2d& raw_px,
                   DepthConditions* conditions) {
@@ -203,7 +211,7 @@ void MeasureViews(const LightFieldProcessor& processor,
   conditions->view_radius_px = sum / static_cast<double>(views.size());
   conditions->chief_view_radius_px = views[0].radius_px;
   for (const Eigen::Vector2d& axis : axes) {
-    const double period = TexturePeriod(processor.prepared(),
+    const double period = TexturePeriod(raw,
                                         lenses.lenses()[views[0].lens].colour,
                                         {views[0].x, views[0].y},
                                         axis,
@@ -224,6 +232,8 @@ std::vector<DepthConditions> MeasureDepthConditions(const LightFieldProcessor& p
   const std::vector<Eigen::Vector2d> axes = LensAxes(processor.lenses());
   const Image<int8_t> edges = FindDepthEdges(truth, processor.camera().mode);
   const Eigen::Vector2d center(0.5 * (image.width() - 1), 0.5 * (image.height() - 1));
+  const PreparedRaw& prepared = processor.prepared();
+  const SmoothRaw raw{prepared.lens_colour, FilterWholePixels(prepared.gray)};
   std::vector<DepthConditions> result;
   for (const Eigen::Vector2i& px : pixels) {
     const int x = px.x();
@@ -240,7 +250,7 @@ std::vector<DepthConditions> MeasureDepthConditions(const LightFieldProcessor& p
     conditions.depth_edge_distance_px = DepthEdgeDistance(edges, px);
     conditions.image_radius_px = (px.cast<double>() - center).norm();
     MeasureViews(
-        processor, axes, RawFromFocused(processor.camera(), px.cast<double>()), &conditions);
+        processor, raw, axes, RawFromFocused(processor.camera(), px.cast<double>()), &conditions);
     if (!(std::abs(conditions.depth_edge_distance_px) < kSlantBaseline + 0.5)) {
       conditions.slant = Slant(truth, px);
     }

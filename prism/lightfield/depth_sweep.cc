@@ -21,8 +21,19 @@ constexpr float kUnseen = 1e30f;  // cost where it is less
 
 class Sweep {
  public:
-  Sweep(const PreparedRaw& raw, const LensTable& lenses, const SweepRange& range, float X, float Y)
-      : raw_(raw), lenses_(lenses), range_(range), count_(range.count()), X_(X), Y_(Y) {}
+  Sweep(const PreparedRaw& raw,
+        const SmoothRows& rows,
+        const LensTable& lenses,
+        const SweepRange& range,
+        float X,
+        float Y)
+      : raw_(raw),
+        rows_(rows),
+        lenses_(lenses),
+        range_(range),
+        count_(range.count()),
+        X_(X),
+        Y_(Y) {}
 
   std::optional<SweepMinimum> Minimum(float noise);
 
@@ -52,6 +63,7 @@ class Sweep {
   bool IsAmbiguous(int best, float coarse_cost, float noise);
 
   const PreparedRaw& raw_;
+  const SmoothRows& rows_;
   const LensTable& lenses_;
   const SweepRange& range_;
   const int count_;
@@ -65,7 +77,7 @@ void Sweep::Compare(int h) {
   const int count = ViewsAt(h, match, views);
   if (count < 2) return;
   CoarseSample samples[kMaxSearched];
-  PlaceCoarseSamples(raw_, lenses_, match, views, count, samples);
+  PlaceCoarseSamples(raw_, rows_, lenses_, match, views, count, samples);
   const PatchSums sums = SumCoarsePatchCosts(samples, count, raw_.gray.width());
   if (sums.freedom < kMinFreedom) return;
   hypotheses_[h] = {sums.cost / sums.freedom, sums.freedom, false};
@@ -78,7 +90,7 @@ void Sweep::CompareExactly(int h) {
   LensView views[kMaxSearched];
   const int count = ViewsAt(h, match, views);
   PatchSample samples[kMaxSearched];
-  PlaceSamples(raw_, lenses_, match, views, count, samples);
+  PlaceSamples(raw_, rows_, lenses_, match, views, count, samples);
   const PatchSums sums = SumPatchCosts(samples, count, raw_.gray.width());
   hypotheses_[h] = {sums.freedom > 0 ? sums.cost / sums.freedom : kUnseen, sums.freedom, true};
 }
@@ -136,13 +148,14 @@ std::optional<SweepMinimum> Sweep::Minimum(float noise) {
 int SweepRange::count() const { return 1 + static_cast<int>(std::floor((max_w - min_w) / step)); }
 
 std::optional<SweepMinimum> SweepInverseVirtualDepth(const PreparedRaw& raw,
+                                                     const SmoothRows& rows,
                                                      const LensTable& lenses,
                                                      const SweepRange& range,
                                                      float noise,
                                                      float X,
                                                      float Y) {
   DCHECK_LE(range.count(), SweepRange::kMaxHypotheses);
-  return Sweep(raw, lenses, range, X, Y).Minimum(noise);
+  return Sweep(raw, rows, lenses, range, X, Y).Minimum(noise);
 }
 
 }  // namespace prism

@@ -6,6 +6,7 @@
 
 #include "prism/lightfield/lens_table.h"
 #include "prism/lightfield/preparation.h"
+#include "prism/lightfield/smooth_rows.h"
 
 namespace prism {
 
@@ -26,12 +27,14 @@ struct SweepMinimum {
 
 // The inverse virtual depth at which the lenses that see the virtual point (X, Y), undistorted raw
 // px, agree best; nothing where the minimum is at an end of what lenses see of the range, or not
-// the only one. `noise`: standard deviation of PreparedRaw::smooth.
+// the only one. `noise`: standard deviation of SmoothRows::smooth. Precondition: `rows` holds what
+// PlaceSamples asks for, of all these views.
 //
 // All hypotheses are compared at the nearest half pixels and on every second row
 // (SumCoarsePatchCosts); those that decide, around the minimum and wherever there could be another
 // as low, are then compared exactly.
 std::optional<SweepMinimum> SweepInverseVirtualDepth(const PreparedRaw& raw,
+                                                     const SmoothRows& rows,
                                                      const LensTable& lenses,
                                                      const SweepRange& range,
                                                      float noise,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glog/logging.h>
 #include <Eigen/LU>
@@ -100,6 +101,11 @@ LensTable::LensTable(const PlenopticCamera& camera)
       index_[static_cast<size_t>(j - min_j_) * size_i_ + (i - min_i_)] =
           static_cast<int>(lenses_.size());
       lenses_.push_back(MakeLens(camera, {i, j}));
+      const Lens& lens = lenses_.back();
+      stretch_ = std::max(
+          stretch_, std::hypot(std::hypot(lens.axx, lens.axy), std::hypot(lens.ayx, lens.ayy)));
+      shift_px_ =
+          std::max(shift_px_, std::hypot(lens.lens_x - lens.center_x, lens.lens_y - lens.center_y));
     }
   }
 
@@ -120,6 +126,7 @@ LensTable::LensTable(const PlenopticCamera& camera)
         cell.push_back({offset.di, offset.dj, static_cast<float>((basis * from_center).norm())});
       }
       std::stable_sort(cell.begin(), cell.end(), ByLength);
+      longest_offset_px_ = std::max(longest_offset_px_, cell.back().length_px);
     }
   }
   BuildColourMask();
@@ -221,6 +228,33 @@ int LensTable::LensesAround(float X0,
     if (index >= 0) lenses[count++] = index;
   }
   return count;
+}
+
+LensTable::RowsOfViews LensTable::RowsAround(
+    float Y0, float Y1, float w0, float w1, float max_radius_px) const {
+  // ChiefRay and Reach have their poles where this is 0, and are monotonic on either side.
+  const auto pole = [&](float w) { return Magnification(w) + 1 / eq8_scale_ - 1; };
+  if (w0 <= 0 || pole(w0) * pole(w1) <= 0) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    return {-kInfinity, kInfinity, kInfinity};
+  }
+  RowsOfViews rows{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest(), 0};
+  for (const float Y : {Y0, Y1}) {
+    for (const float w : {w0, w1}) {
+      const float y = ChiefRay(0, Y, w).y();
+      rows.first = std::min(rows.first, y);
+      rows.last = std::max(rows.last, y);
+    }
+  }
+  // From the chief ray to the micro images, those of a cell being listed around its middle, and
+  // from their centres to the views.
+  const float reach = std::max(Reach(w0, max_radius_px), Reach(w1, max_radius_px));
+  const float around = std::min(reach + cell_radius_px(), longest_offset_px_) + cell_radius_px() +
+                       stretch_ * max_radius_px;
+  rows.first -= around;
+  rows.last += around;
+  rows.longest_motion = stretch_ * (max_radius_px + shift_px_) / w0;
+  return rows;
 }
 
 int LensTable::ViewsOf(float X,

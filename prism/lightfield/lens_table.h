@@ -106,6 +106,14 @@ class LensTable {
                    int max_count,
                    int* lenses) const;
 
+  // Between which rows of the raw image lie all views that ViewsOf may give of virtual points with
+  // Y in [Y0, Y1] and 1/v in [w0, w1], and the longest (dx, dy) of these. Infinite around where a
+  // Keplerian camera has the points in its micro lenses.
+  struct RowsOfViews {
+    float first, last, longest_motion;
+  };
+  RowsOfViews RowsAround(float Y0, float Y1, float w0, float w1, float max_radius_px) const;
+
   // The lenses that see the virtual point (X, Y, 1/v = w) within `max_radius_px` of their
   // micro-image centres and `margin_px` inside the image, from the chief ray outwards, at most
   // `max_count` <= kMaxViews of those whose type's bit is set in `types`. Returns their number.
@@ -161,6 +169,8 @@ class LensTable {
   float sign_;  // PlenopticCamera::virtual_depth_sign
   std::vector<float> focus_of_type_;
   Eigen::Vector2f principal_;
+  float stretch_ = 0, shift_px_ = 0;    // the most by which lenses' distortions stretch, and the
+                                        // longest from c_I to c_ML
   float eq8_scale_;                     // k: c_ML - c = k (c_I - c)
   bool is_of_chief_rays_;               // PlenopticCamera::focused_image
   float scale_at_array_, scale_per_v_;  // of b_L / f_L = (b_L0 + sign v B) / f_L
@@ -173,6 +183,7 @@ class LensTable {
   // From the lens (floor(u), floor(v)) to those around the centre of each part of the cell (u, v)
   // of the lattice, by distance from it.
   std::vector<Offset> cell_offsets_[kCells][kCells];
+  float longest_offset_px_ = 0;  // of these
   Image<uint8_t> colour_mask_;
 };
 

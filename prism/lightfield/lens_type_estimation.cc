@@ -11,6 +11,7 @@
 
 #include "prism/camera/projection.h"
 #include "prism/lightfield/camera_trial.h"
+#include "prism/lightfield/half_pixel_image.h"
 
 namespace prism {
 namespace {
@@ -36,12 +37,16 @@ using Bins = std::array<Bin, kBins>;
 
 // Squared gradient of the smoothed raw image at a pixel less what noise adds to it; false where the
 // micro image does not hold it.
-bool GradientEnergy(
-    const PreparedRaw& raw, double noise, int colour, int x, int y, double* energy) {
+bool GradientEnergy(const ImageF& smooth,
+                    const Image<uint8_t>& lens_colour,
+                    double noise,
+                    int colour,
+                    int x,
+                    int y,
+                    double* energy) {
   // Of a component of the central difference under (1 2 1) x (1 2 1) / 16, over that of the noise.
   constexpr double kNoiseOfComponent = 0.0586;
-  const ImageF& smooth = raw.smooth.phase[0][0];
-  const auto is_good = [&](int u, int v) { return raw.lens_colour(u, v) == colour + 1; };
+  const auto is_good = [&](int u, int v) { return lens_colour(u, v) == colour + 1; };
   if (!smooth.view().Contains(x, y, 3) || !is_good(x - 2, y) || !is_good(x + 1, y) ||
       !is_good(x, y - 2) || !is_good(x, y + 1)) {
     return false;
@@ -55,6 +60,7 @@ bool GradientEnergy(
 // Of points that lenses of all three lattices see.
 void AddFrame(const LightFieldProcessor& processor, const LightFieldFrame& frame, Bins* bins) {
   const LensTable& lenses = processor.lenses();
+  const ImageF smooth = FilterWholePixels(processor.prepared().gray);
   LensView views[LensTable::kMaxViews];
   for (int y = 0; y < frame.sigma.height(); ++y) {
     for (int x = 0; x < frame.sigma.width(); ++x) {
@@ -67,7 +73,8 @@ void AddFrame(const LightFieldProcessor& processor, const LightFieldFrame& frame
       for (int k = 0; k < count; ++k) {
         const int colour = lenses.lenses()[views[k].lens].colour;
         double energy;
-        if (!GradientEnergy(processor.prepared(),
+        if (!GradientEnergy(smooth,
+                            processor.prepared().lens_colour,
                             processor.noise(),
                             colour,
                             static_cast<int>(std::lround(views[k].x)),

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/lightfield/patch_samples.h"
 
+#include <glog/logging.h>
+
 namespace prism {
 namespace {
 
@@ -14,10 +16,13 @@ struct Placement {
 };
 
 Placement Place(const PreparedRaw& raw,
+                const SmoothRows& rows,
                 const LensTable& lenses,
                 const DefocusMatch& match,
                 const LensView& view) {
   const Lens& lens = lenses.lenses()[view.lens];
+  const int first = static_cast<int>(view.y - kPatchRadius);
+  CHECK(rows.Holds(first, first + HalfPixelImage::kRowsTogether)) << view.y;
   const float blend = match.Blend(lens.type);
   return {view.x - kPatchRadius,
           view.y - kPatchRadius,
@@ -29,15 +34,16 @@ Placement Place(const PreparedRaw& raw,
 }  // namespace
 
 void PlaceSamples(const PreparedRaw& raw,
+                  const SmoothRows& rows,
                   const LensTable& lenses,
                   const DefocusMatch& match,
                   const LensView* views,
                   int count,
                   PatchSample* samples) {
   for (int k = 0; k < count; ++k) {
-    const auto [x, y, blend, colours, colour] = Place(raw, lenses, match, views[k]);
-    samples[k] = {raw.smooth.At(x, y),
-                  blend > 0 ? raw.smoother.At(x, y) : HalfPixelImage::Cell{},
+    const auto [x, y, blend, colours, colour] = Place(raw, rows, lenses, match, views[k]);
+    samples[k] = {rows.smooth().At(x, y),
+                  blend > 0 ? rows.smoother().At(x, y) : HalfPixelImage::Cell{},
                   blend,
                   colours.row(static_cast<int>(y)) + static_cast<int>(x),
                   views[k].dx,
@@ -47,6 +53,7 @@ void PlaceSamples(const PreparedRaw& raw,
 }
 
 void PlaceCoarseSamples(const PreparedRaw& raw,
+                        const SmoothRows& rows,
                         const LensTable& lenses,
                         const DefocusMatch& match,
                         const LensView* views,
@@ -54,9 +61,9 @@ void PlaceCoarseSamples(const PreparedRaw& raw,
                         CoarseSample* samples) {
   constexpr float kQuarter = 0.5f / HalfPixelImage::kStepsPerPixel;  // to the nearest half pixel
   for (int k = 0; k < count; ++k) {
-    const auto [x, y, blend, colours, colour] = Place(raw, lenses, match, views[k]);
-    samples[k] = {raw.smooth.Nearest(x, y),
-                  blend > 0 ? raw.smoother.Nearest(x, y) : nullptr,
+    const auto [x, y, blend, colours, colour] = Place(raw, rows, lenses, match, views[k]);
+    samples[k] = {rows.smooth().Nearest(x, y),
+                  blend > 0 ? rows.smoother().Nearest(x, y) : nullptr,
                   blend,
                   colours.row(static_cast<int>(y + kQuarter)) + static_cast<int>(x + kQuarter),
                   colour};

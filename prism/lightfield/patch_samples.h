@@ -6,6 +6,7 @@
 #include "prism/lightfield/lens_table.h"
 #include "prism/lightfield/patch_kernel.h"
 #include "prism/lightfield/preparation.h"
+#include "prism/lightfield/smooth_rows.h"
 
 namespace prism {
 
@@ -13,8 +14,10 @@ namespace prism {
 // the kernel reads kPatchLanes + 1 pixels a row.
 inline constexpr float kPatchMargin = kPatchRadius + 8;
 
-// The patches around `count` views, each blurred as `match` says.
+// The patches around `count` views, each blurred as `match` says. Precondition: `rows`, of
+// raw.gray, holds those up to kPatchMargin around each view.
 void PlaceSamples(const PreparedRaw& raw,
+                  const SmoothRows& rows,
                   const LensTable& lenses,
                   const DefocusMatch& match,
                   const LensView* views,
@@ -23,6 +26,7 @@ void PlaceSamples(const PreparedRaw& raw,
 
 // The same at the nearest half pixels.
 void PlaceCoarseSamples(const PreparedRaw& raw,
+                        const SmoothRows& rows,
                         const LensTable& lenses,
                         const DefocusMatch& match,
                         const LensView* views,

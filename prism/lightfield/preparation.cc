@@ -10,14 +10,13 @@
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
-#include "prism/image/smoothing.h"
 #include "prism/lightfield/colour_mosaic.h"
 #include "prism/lightfield/patch_kernel.h"
 
 namespace prism {
 namespace {
 
-// Noise of PreparedRaw::smooth made of a mosaic (bilinear interpolation, weights of gray 0.30,
+// Noise of SmoothRows::smooth made of a mosaic (bilinear interpolation, weights of gray 0.30,
 // 0.59, 0.11) over that of white noise as large as the mosaic's.
 constexpr double kDemosaicedNoise = 0.843;
 
@@ -309,18 +308,9 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     }
     ApplyGain(gain, width, gray);
   });
-  FilterHalfPixels(prepared->gray, &prepared->smooth);
   ForRowsAround(1, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
   ForRowsAround(2, [&](int y) { CellColourRow(filtered_, y, prepared->lens_colour.row(y)); });
   if (!lenses_.HasSeveralFocalLengths()) return;
-  prepared->smoother.Resize(width, height);
-  for (int j = 0; j < HalfPixelImage::kStepsPerPixel; ++j) {
-    for (int i = 0; i < HalfPixelImage::kStepsPerPixel; ++i) {
-      const ImageF& once = prepared->smooth.phase[j][i];
-      ImageF& twice = prepared->smoother.phase[j][i];
-      tbb::parallel_for(0, height, [&](int y) { SmoothRow(once, y, twice.row(y)); });
-    }
-  }
   ForRowsAround(2, [&](int y) { InteriorRow(filtered_, y, filtered_twice_.row(y)); });
   ForRowsAround(
       3, [&](int y) { CellColourRow(filtered_twice_, y, prepared->lens_colour_smoother.row(y)); });

@@ -9,7 +9,6 @@
 #include <opencv2/core/mat.hpp>
 
 #include "prism/image/image.h"
-#include "prism/lightfield/half_pixel_image.h"
 #include "prism/lightfield/lens_table.h"
 
 namespace prism {
@@ -29,29 +28,21 @@ struct PreparationOptions {
 
 // A raw image ready for matching and resampling, 0 to 255 in raw px.
 struct PreparedRaw {
-  ImageF gray;            // vignetting-corrected
-  HalfPixelImage smooth;  // gray under the filters of FilterHalfPixels
-  // Of a Bayer mosaic: the standard deviation of white noise in `gray` that would give `smooth` the
-  // noise it has. Interpolation hides noise from whoever looks at `gray` alone. 0: no mosaic.
+  ImageF gray;  // vignetting-corrected
+  // Of a Bayer mosaic: the standard deviation of white noise in `gray` that would give its
+  // SmoothRows the noise they have. Interpolation hides noise from whoever looks at `gray` alone.
+  // 0: no mosaic.
   double mosaic_noise = 0;
-  // Colour + 1 of the lens (LensTable) if bilinear interpolation of `smooth` in [x, x+1] x [y, y+1]
-  // comes from good pixels of that micro image alone, else 0. A filter with fewer pixels at the rim
-  // would shift the image inwards and bias the depth.
+  // Colour + 1 of the lens (LensTable) if bilinear interpolation of SmoothRows::smooth in
+  // [x, x+1] x [y, y+1] comes from good pixels of that micro image alone, else 0. A filter with
+  // fewer pixels at the rim would shift the image inwards and bias the depth.
   Image<uint8_t> lens_colour;
-  // For arrays of several focal lengths, else empty: `smooth` under (1 2 1) x (1 2 1) / 16 once
-  // more, and where it is good. Blending towards it blurs a sharp lens as defocus blurs another.
-  HalfPixelImage smoother;
+  // The same of SmoothRows::smoother, for arrays of several focal lengths, else empty.
   Image<uint8_t> lens_colour_smoother;
   // Gradient of the vignetting's gain in x and in y, the weighted sum over the pixels of a patch
   // (kPatchWeights) that are good in the white image, by the patch's centre. 1/px.
   ImageF gain_slope_x, gain_slope_y;
 };
-
-// Variance added by one more pass of the filter of PreparedRaw::smooth, px^2 in x and in y.
-inline constexpr float kFilterVariance = 0.5f;
-
-// Standard deviation of white noise in PreparedRaw::smooth over that in gray.
-inline constexpr float kSmoothNoise = 0.375f;
 
 // Demosaicing, conversion to gray, vignetting, masks.
 //

@@ -8,6 +8,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "prism/lightfield/smooth_rows.h"
+
 namespace prism {
 namespace {
 
@@ -20,11 +22,12 @@ void RawTexture::MeasureNoise(const PreparedRaw& raw) {
   // Gaussian is 0.6745 of it.
   std::array<int, 1024> histogram{};
   int total = 0;
-  const ImageF& smooth = raw.smooth.phase[0][0];
-  for (int y = 1; y < smooth.height() - 1; y += 5) {
-    for (int x = 1; x < smooth.width() - 1; ++x) {
+  std::vector<float> smooth(raw.gray.width());
+  for (int y = 1; y < raw.gray.height() - 1; y += 5) {
+    FilterWholePixels(raw.gray, y, y + 1, smooth.data());
+    for (int x = 1; x < raw.gray.width() - 1; ++x) {
       if (raw.lens_colour(x, y) == 0) continue;
-      const float difference = std::abs(raw.gray(x, y) - smooth(x, y));
+      const float difference = std::abs(raw.gray(x, y) - smooth[x]);
       if (difference == 0) continue;  // not filtered
       ++histogram[std::min(static_cast<int>(difference * 32), 1023)];
       ++total;
@@ -39,20 +42,24 @@ void RawTexture::MeasureNoise(const PreparedRaw& raw) {
 
 void RawTexture::Measure(const PreparedRaw& raw, double min_gradient) {
   MeasureNoise(raw);
-  const ImageF& smooth = raw.smooth.phase[0][0];
-  const int width = smooth.width();
-  const int height = smooth.height();
+  const int width = raw.gray.width();
+  const int height = raw.gray.height();
   width_ = (width + kBlock - 1) / kBlock;
   height_ = (height + kBlock - 1) / kBlock;
   textured_.resize(static_cast<size_t>(width_) * height_);
   const float threshold = static_cast<float>(min_gradient * noise_ * kSmoothNoise);
   const float threshold_squared = threshold * threshold;
-  tbb::parallel_for(0, height_, [&](int by) {
-    uint8_t* blocks = &textured_[static_cast<size_t>(by) * width_];
-    std::fill_n(blocks, width_, uint8_t{0});
-    for (int y = by * kBlock; y < std::min((by + 1) * kBlock, height - 1); ++y) {
-      const float* row = smooth.row(y);
-      const float* below = smooth.row(y + 1);
+  std::fill(textured_.begin(), textured_.end(), uint8_t{0});
+  constexpr int kRowsAtOnce = 8 * kBlock;  // share what is filtered
+  tbb::parallel_for(0, (height + kRowsAtOnce - 1) / kRowsAtOnce, [&](int part) {
+    const int first = part * kRowsAtOnce;
+    const int last = std::min(first + kRowsAtOnce, height - 1);
+    ImageF smooth(width, kRowsAtOnce + 1);
+    FilterWholePixels(raw.gray, first, last + 1, smooth.data());
+    for (int y = first; y < last; ++y) {
+      const float* row = smooth.row(y - first);
+      const float* below = smooth.row(y + 1 - first);
+      uint8_t* blocks = &textured_[static_cast<size_t>(y / kBlock) * width_];
       const uint8_t* colour = raw.lens_colour.row(y);
       for (int bx = 0; bx < width_; ++bx) {
         int count = 0;

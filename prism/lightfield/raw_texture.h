@@ -13,7 +13,7 @@ namespace prism {
 class RawTexture {
  public:
   // `min_gradient`: of pixels that count as texture, in standard deviations of the noise of
-  // PreparedRaw::smooth.
+  // SmoothRows::smooth.
   void Measure(const PreparedRaw& raw, double min_gradient);
 
   // Standard deviation of the noise of PreparedRaw::gray, 0 to 255, at least 0.3: of the mosaic

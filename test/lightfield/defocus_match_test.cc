@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "prism/lightfield/preparation.h"
+#include "prism/lightfield/smooth_rows.h"
 
 namespace prism {
 namespace {

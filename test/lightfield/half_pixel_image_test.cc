@@ -22,8 +22,7 @@ TEST(HalfPixelImage, ARampKeepsItsValues) {
   for (int y = 0; y < 20; ++y) {
     for (int x = 0; x < 20; ++x) ramp(x, y) = static_cast<float>(2 * x + 3 * y);
   }
-  HalfPixelImage image;
-  FilterHalfPixels(ramp, &image);
+  const HalfPixelImage image = FilterHalfPixels(ramp);
   for (const float x : {5.0f, 5.2f, 5.5f, 5.9f}) {
     for (const float y : {7.0f, 7.4f, 7.5f, 7.7f}) {
       EXPECT_NEAR(Interpolate(image, x, y), 2 * x + 3 * y, 1e-4) << x << " " << y;
@@ -45,8 +44,7 @@ TEST(HalfPixelImage, AFineWaveIsNearlyAsStrongAtEveryPosition) {
         wave(x, y) = std::cos(static_cast<float>(M_PI) / 2 * (static_cast<float>(x) - position));
       }
     }
-    HalfPixelImage image;
-    FilterHalfPixels(wave, &image);
+    const HalfPixelImage image = FilterHalfPixels(wave);
     const float strength = Interpolate(image, position, 12);
     weakest = std::min(weakest, strength);
     strongest = std::max(strongest, strength);

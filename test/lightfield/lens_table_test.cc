@@ -153,6 +153,47 @@ TEST(LensTable, LensesAroundHoldAllViewsOfTheirPoints) {
   }
 }
 
+TEST(LensTable, RowsAroundHoldAllViewsOfTheirPointsAndNotManyMore) {
+  for (const MicroLensMode mode : {MicroLensMode::kGalilean, MicroLensMode::kKeplerian}) {
+    PlenopticCamera camera = SmallCamera(1024, mode);
+    camera.distortion.A0 = 200;
+    camera.distortion.B0 = 2;
+    const LensTable table(camera);
+    std::mt19937_64 generator = SeededGenerator(4, 0);
+    std::uniform_real_distribution<float> position(0, 1023), depth(0.05f, 0.48f), part(0, 1);
+    int views_checked = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+      const float Y0 = position(generator), Y1 = Y0 + 100 * part(generator);
+      const float w0 = depth(generator), w1 = w0 + (0.5f - w0) * part(generator);
+      const LensTable::RowsOfViews rows = table.RowsAround(Y0, Y1, w0, w1, 10);
+      float first = 2000, last = -1000;
+      for (int point = 0; point < 200; ++point) {
+        LensView views[LensTable::kMaxViews];
+        const float Y = point % 3 == 0   ? Y0
+                        : point % 3 == 1 ? Y1
+                                         : Y0 + (Y1 - Y0) * part(generator);
+        const float w = point % 5 == 0 ? w0 : w0 + (w1 - w0) * part(generator);
+        const int count = table.ViewsOf(position(generator), Y, w, 10, 0, views);
+        views_checked += count;
+        for (int k = 0; k < count; ++k) {
+          first = std::min(first, views[k].y);
+          last = std::max(last, views[k].y);
+          EXPECT_LE(std::hypot(views[k].dx, views[k].dy), rows.longest_motion);
+        }
+      }
+      ASSERT_GE(first, rows.first)
+          << "trial " << trial << ": " << Y0 << " to " << Y1 << ", 1/v " << w0 << " to " << w1;
+      ASSERT_LE(last, rows.last);
+      EXPECT_LT(rows.last - rows.first, 700)
+          << Y0 << " to " << Y1 << ", 1/v " << w0 << " to " << w1;
+    }
+    EXPECT_GT(views_checked, 100000);
+    // The pole of a Keplerian camera: points between its micro lenses and the sensor.
+    const bool is_bounded = std::isfinite(table.RowsAround(0, 10, 0.001f, 0.4f, 10).last);
+    EXPECT_EQ(is_bounded, mode == MicroLensMode::kGalilean);
+  }
+}
+
 TEST_P(LensTableOf, ColoursOfNeighboursDiffer) {
   const LensTable table(GetParam());
   for (const Lens& a : table.lenses()) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,12 +18,12 @@ TEST(PatchKernel, VectorisedSumsEqualTheReference) {
   constexpr int kStride = 40;
   std::mt19937_64 generator = SeededGenerator(3, 0);
   std::uniform_real_distribution<float> uniform(0, 1);
-  HalfPixelImage image, blurred;
+  HalfPixelImage image(kStride, kStride), blurred(kStride, kStride);
   for (HalfPixelImage* filled : {&image, &blurred}) {
-    filled->Resize(kStride, kStride);
-    for (auto& row : filled->phase) {
-      for (ImageF& phase : row) {
-        std::generate_n(phase.data(), phase.size(), [&] { return 255 * uniform(generator); });
+    filled->Extend(kStride);
+    for (int y = 0; y < kStride; ++y) {
+      for (const auto& [j, i] : {std::pair(0, 0), {0, 1}, {1, 0}, {1, 1}}) {
+        std::generate_n(filled->row(j, i, y), kStride, [&] { return 255 * uniform(generator); });
       }
     }
   }
@@ -61,8 +62,7 @@ TEST(PatchKernel, EqualPatchesCostNothing) {
   for (int y = 0; y < kStride; ++y) {
     for (int x = 0; x < kStride; ++x) ramp(x, y) = static_cast<float>(x);
   }
-  HalfPixelImage image;
-  FilterHalfPixels(ramp, &image);
+  const HalfPixelImage image = FilterHalfPixels(ramp);
   const std::vector<uint8_t> colours(kStride * kStride, 1);
   const PatchSample sample{image.At(3.25f, 3.5f), {}, 0, colours.data(), 3, 0, 1};
   PatchSample other = sample;

@@ -23,7 +23,6 @@ PreparedRaw Noisy(double sigma, float step_at_right) {
       raw.gray(x, y) = 100 + noise(generator) + (x >= kSize / 2 ? step_at_right : 0);
     }
   }
-  FilterHalfPixels(raw.gray, &raw.smooth);
   return raw;
 }
 
