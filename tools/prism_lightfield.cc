@@ -218,6 +218,7 @@ ExitStatus ProcessSequence() {
   }
 
   LightFieldProcessor processor(input.camera, input.white, input.options);
+  input.white.release();
   const std::filesystem::path output(FLAGS_output_dir);
   FocusedSequenceWriter writer(FLAGS_output_dir);
   RgbdWriter pinhole(FLAGS_export_rgbd.empty() ? (output / "pinhole").string() : FLAGS_export_rgbd,

@@ -55,13 +55,16 @@ float NoiseHessian(float baseline_squared, int count, const PatchSums& sums, flo
 // a micro image, and the patches would go where there is less. The variance of shot noise is
 // proportional to the gain.
 float NoiseGradient(const PreparedRaw& raw, const LensView* views, int count, float smooth_noise) {
+  if (raw.gain_slope_x.empty()) return 0;
   float sum = 0;
   for (int k = 0; k < count; ++k) {
     const int x = static_cast<int>(std::lround(views[k].x));
     const int y = static_cast<int>(std::lround(views[k].y));
-    sum += raw.gain_slope_x(x, y) * views[k].dx + raw.gain_slope_y(x, y) * views[k].dy;
+    sum += static_cast<float>(raw.gain_slope_x(x, y)) * views[k].dx +
+           static_cast<float>(raw.gain_slope_y(x, y)) * views[k].dy;
   }
-  return 0.5f * smooth_noise * smooth_noise * sum * (1 - 1 / static_cast<float>(count));
+  return 0.5f * smooth_noise * smooth_noise * kGainSlopeUnit * sum *
+         (1 - 1 / static_cast<float>(count));
 }
 
 // Where a search begins that is not told where.

@@ -102,11 +102,11 @@ float Percentile(double share, std::vector<float>* values) {
   return *nth;
 }
 
-// Where all nine pixels around one belong to one micro image.
-void InteriorRow(const Image<uint8_t>& good, int y, uint8_t* interior) {
-  const uint8_t *above = good.row(std::max(y - 1, 0)), *here = good.row(y);
-  const uint8_t* below = good.row(std::min(y + 1, good.height() - 1));
-  for (int x = 1; x < good.width() - 1; ++x) {
+// Where all nine pixels around one belong to one micro image. The first and the last stay as they
+// are.
+void InteriorRow(
+    const uint8_t* above, const uint8_t* here, const uint8_t* below, int width, uint8_t* interior) {
+  for (int x = 1; x < width - 1; ++x) {
     const uint8_t c = here[x];
     // No branches: the loop is vectorised.
     const int differs = (here[x - 1] ^ c) | (here[x + 1] ^ c) | (above[x - 1] ^ c) |
@@ -117,15 +117,42 @@ void InteriorRow(const Image<uint8_t>& good, int y, uint8_t* interior) {
 }
 
 // Where bilinear interpolation in [x, x+1] x [y, y+1] uses pixels of one micro image.
-void CellColourRow(const Image<uint8_t>& good, int y, uint8_t* colour) {
-  if (y + 1 == good.height()) return;  // stays 0
-  const uint8_t *here = good.row(y), *below = good.row(y + 1);
-  for (int x = 0; x < good.width() - 1; ++x) {
+void CellColourRow(const uint8_t* here, const uint8_t* below, int width, uint8_t* colour) {
+  for (int x = 0; x < width - 1; ++x) {
     const uint8_t c = here[x];
     const int differs = (here[x + 1] ^ c) | (below[x] ^ c) | (below[x + 1] ^ c);
     colour[x] = differs == 0 ? c : uint8_t{0};
   }
 }
+
+// Rows begin to end - 1 of a mask, as far as they are within an image of `height` rows.
+class MaskBand {
+ public:
+  MaskBand(int width, int height, int begin, int end)
+      : height_(height),
+        begin_(std::max(begin, 0)),
+        end_(std::min(end, height)),
+        rows_(width, end_ - begin_, 0) {}
+
+  int begin() const { return begin_; }
+  int end() const { return end_; }
+  uint8_t* row(int y) { return rows_.row(y - begin_); }
+
+  // Of a band that reaches one row further.
+  void SetToInteriorOf(MaskBand* mask) {
+    for (int y = begin_; y < end_; ++y) {
+      InteriorRow(mask->row(std::max(y - 1, 0)),
+                  mask->row(y),
+                  mask->row(std::min(y + 1, height_ - 1)),
+                  rows_.width(),
+                  row(y));
+    }
+  }
+
+ private:
+  int height_, begin_, end_;
+  Image<uint8_t> rows_;
+};
 
 // Values of 0 to 255.
 void GrayRow(const cv::Mat& image, int y, float* gray) {
@@ -159,12 +186,9 @@ bool PreparationOptions::IsValid(std::string* error) const {
 RawPreparation::RawPreparation(const LensTable& lenses,
                                const cv::Mat& white,
                                const PreparationOptions& options)
-    : lenses_(lenses), options_(options) {
+    : lenses_(lenses), options_(options), has_white_(!white.empty()) {
   const int width = lenses.width();
   const int height = lenses.height();
-  good_ = Image<uint8_t>(width, height, 0);
-  filtered_ = Image<uint8_t>(width, height, 0);
-  if (lenses.HasSeveralFocalLengths()) filtered_twice_ = Image<uint8_t>(width, height, 0);
   gain_ = ImageF(width, height, 0);
   if (white.empty()) {
     for (int y = 0; y < height; ++y) {
@@ -198,45 +222,62 @@ void RawPreparation::MeasureVignetting(const ImageF& white) {
   });
 }
 
-// Overwrites good_ and filtered_, which belong to no frame yet.
-void RawPreparation::SumGainSlopes(PreparedRaw* prepared) {
+void RawPreparation::SumGainSlopes(PreparedRaw* prepared) const {
+  constexpr int kBand = 256;  // rows at once: what is in between takes 20 bytes a pixel
   const int width = lenses_.width();
   const int height = lenses_.height();
-  prepared->gain_slope_x = ImageF(width, height, 0);
-  prepared->gain_slope_y = ImageF(width, height, 0);
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      good_(x, y) = gain_(x, y) > 0 ? lenses_.colour_mask()(x, y) : uint8_t{0};
-    }
-  });
-  tbb::parallel_for(0, height, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
-  const cv::Mat gain(height, width, CV_32F, gain_.data());
-  const cv::Mat good(height, width, CV_8U, good_.data());
-  const cv::Mat interior(height, width, CV_8U, filtered_.data());
+  prepared->gain_slope_x = Image<int16_t>(width, height, 0);
+  prepared->gain_slope_y = Image<int16_t>(width, height, 0);
+  const cv::Mat all_gain(height, width, CV_32F, const_cast<float*>(gain_.data()));
   const cv::Mat weights(1, 2 * kPatchRadius + 1, CV_32F, const_cast<float*>(kPatchWeights));
-  const auto sum = [&](const cv::Mat& along_x, const cv::Mat& along_y, ImageF* sums) {
-    cv::Mat slope, slope_of_colour, sum_of_colour;
-    cv::sepFilter2D(gain, slope, CV_32F, along_x, along_y);
-    cv::Mat target(height, width, CV_32F, sums->data());
-    // Of the pixels of the micro image that the patch's centre lies in.
-    for (const int colour : {1, 2, 3}) {
-      slope_of_colour = cv::Mat::zeros(height, width, CV_32F);
-      slope.copyTo(slope_of_colour, interior == colour);
-      cv::sepFilter2D(slope_of_colour,
-                      sum_of_colour,
-                      CV_32F,
-                      weights,
-                      weights,
-                      cv::Point(-1, -1),
-                      0,
-                      cv::BORDER_CONSTANT);
-      sum_of_colour.copyTo(target, good == colour);
-    }
-  };
   const cv::Mat difference = (cv::Mat_<float>(1, 3) << -0.5f, 0, 0.5f);
   const cv::Mat same = (cv::Mat_<float>(1, 1) << 1);
-  sum(difference, same, &prepared->gain_slope_x);
-  sum(same, difference, &prepared->gain_slope_y);
+  for (int begin = 0; begin < height; begin += kBand) {
+    const int end = std::min(begin + kBand, height);
+    // Slopes are summed over a patch, and found on pixels with good ones around them.
+    const int first = std::max(begin - kPatchRadius, 0);
+    const int last = std::min(end + kPatchRadius, height);
+    const int top = std::max(first - 1, 0);
+    Image<uint8_t> good(width, std::min(last + 1, height) - top);
+    tbb::parallel_for(0, good.height(), [&](int y) {
+      for (int x = 0; x < width; ++x) {
+        good(x, y) = gain_(x, top + y) > 0 ? lenses_.colour_mask()(x, top + y) : uint8_t{0};
+      }
+    });
+    Image<uint8_t> interior(width, last - first, 0);
+    tbb::parallel_for(first, last, [&](int y) {
+      InteriorRow(good.row(std::max(y - 1, 0) - top),
+                  good.row(y - top),
+                  good.row(std::min(y + 1, height - 1) - top),
+                  width,
+                  interior.row(y - first));
+    });
+    const cv::Mat gain = all_gain.rowRange(first, last);
+    const cv::Mat interior_view(last - first, width, CV_8U, interior.data());
+    const cv::Mat good_view(end - begin, width, CV_8U, good.row(begin - top));
+    const auto sum = [&](const cv::Mat& along_x, const cv::Mat& along_y, Image<int16_t>* sums) {
+      cv::Mat slope, slope_of_colour, sum_of_colour, rounded;
+      cv::sepFilter2D(gain, slope, CV_32F, along_x, along_y);
+      cv::Mat target(end - begin, width, CV_16S, sums->row(begin));
+      // Of the pixels of the micro image that the patch's centre lies in.
+      for (const int colour : {1, 2, 3}) {
+        slope_of_colour = cv::Mat::zeros(slope.size(), CV_32F);
+        slope.copyTo(slope_of_colour, interior_view == colour);
+        cv::sepFilter2D(slope_of_colour.rowRange(begin - first, end - first),
+                        sum_of_colour,
+                        CV_32F,
+                        weights,
+                        weights,
+                        cv::Point(-1, -1),
+                        0,
+                        cv::BORDER_CONSTANT);
+        sum_of_colour.convertTo(rounded, CV_16S, 1 / kGainSlopeUnit);
+        rounded.copyTo(target, good_view == colour);
+      }
+    };
+    sum(difference, same, &prepared->gain_slope_x);
+    sum(same, difference, &prepared->gain_slope_y);
+  }
 }
 
 const cv::Mat& RawPreparation::OneChannel(const cv::Mat& raw) {
@@ -277,7 +318,7 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
   if (prepared->gray.empty()) {
     prepared->gray = ImageF(width, height);
     prepared->lens_colour = Image<uint8_t>(width, height, 0);
-    SumGainSlopes(prepared);
+    if (has_white_) SumGainSlopes(prepared);
     if (lenses_.HasSeveralFocalLengths()) {
       prepared->lens_colour_smoother = Image<uint8_t>(width, height, 0);
     }
@@ -297,33 +338,55 @@ void RawPreparation::Prepare(const cv::Mat& raw, PreparedRaw* prepared) {
     float* gray = prepared->gray.row(y);
     GrayRow(image, y, gray);
     has_masked_[y] = *std::max_element(gray, gray + width) >= saturation;
-    const float* gain = gain_.row(y);
-    if (has_masked_[y] || was_masked_[y]) {
-      const uint8_t* colour = lenses_.colour_mask().row(y);
-      uint8_t* good = good_.row(y);
-      for (int x = 0; x < width; ++x) {
-        const bool is_good = gray[x] < saturation && gain[x] > 0;
-        good[x] = is_good ? colour[x] : uint8_t{0};
-      }
-    }
-    ApplyGain(gain, width, gray);
+    ApplyGain(gain_.row(y), width, gray);
   });
-  ForRowsAround(1, [&](int y) { InteriorRow(good_, y, filtered_.row(y)); });
-  ForRowsAround(2, [&](int y) { CellColourRow(filtered_, y, prepared->lens_colour.row(y)); });
-  if (!lenses_.HasSeveralFocalLengths()) return;
-  ForRowsAround(2, [&](int y) { InteriorRow(filtered_, y, filtered_twice_.row(y)); });
-  ForRowsAround(
-      3, [&](int y) { CellColourRow(filtered_twice_, y, prepared->lens_colour_smoother.row(y)); });
+  constexpr int kRowsAtOnce = 16;
+  tbb::parallel_for(0, (height + kRowsAtOnce - 1) / kRowsAtOnce, [&](int part) {
+    const int begin = part * kRowsAtOnce;
+    const int end = std::min(begin + kRowsAtOnce, height);
+    if (MasksChange(begin, end)) MaskRows(image, begin, end, prepared);
+  });
 }
 
-template <typename Row>
-void RawPreparation::ForRowsAround(int reach, const Row& row) const {
+bool RawPreparation::MasksChange(int begin, int end) const {
+  constexpr int kReach = 3;  // of two filters and bilinear interpolation
+  for (int y = std::max(begin - kReach, 0); y < std::min(end + kReach, lenses_.height()); ++y) {
+    if (has_masked_[y] || was_masked_[y]) return true;
+  }
+  return false;
+}
+
+void RawPreparation::MaskRows(const cv::Mat& image,
+                              int begin,
+                              int end,
+                              PreparedRaw* prepared) const {
+  const int width = lenses_.width();
   const int height = lenses_.height();
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int v = std::max(y - reach, 0); v <= std::min(y + reach, height - 1); ++v) {
-      if (has_masked_[v] || was_masked_[v]) return row(y);
+  const float saturation = static_cast<float>(options_.saturation);
+  const auto write = [&](MaskBand* mask, Image<uint8_t>* colours) {
+    for (int y = begin; y < std::min(end, height - 1); ++y) {  // the last row stays 0
+      CellColourRow(mask->row(y), mask->row(y + 1), width, colours->row(y));
     }
-  });
+  };
+  MaskBand good(width, height, begin - 2, end + 3);
+  std::vector<float> gray(width);
+  for (int y = good.begin(); y < good.end(); ++y) {
+    GrayRow(image, y, gray.data());
+    const float* gain = gain_.row(y);
+    const uint8_t* colour = lenses_.colour_mask().row(y);
+    uint8_t* row = good.row(y);
+    for (int x = 0; x < width; ++x) {
+      const bool is_good = gray[x] < saturation && gain[x] > 0;
+      row[x] = is_good ? colour[x] : uint8_t{0};
+    }
+  }
+  MaskBand filtered(width, height, begin - 1, end + 2);
+  filtered.SetToInteriorOf(&good);
+  write(&filtered, &prepared->lens_colour);
+  if (!lenses_.HasSeveralFocalLengths()) return;
+  MaskBand filtered_twice(width, height, begin, end + 1);
+  filtered_twice.SetToInteriorOf(&filtered);
+  write(&filtered_twice, &prepared->lens_colour_smoother);
 }
 
 }  // namespace prism

@@ -40,9 +40,12 @@ struct PreparedRaw {
   // The same of SmoothRows::smoother, for arrays of several focal lengths, else empty.
   Image<uint8_t> lens_colour_smoother;
   // Gradient of the vignetting's gain in x and in y, the weighted sum over the pixels of a patch
-  // (kPatchWeights) that are good in the white image, by the patch's centre. 1/px.
-  ImageF gain_slope_x, gain_slope_y;
+  // (kPatchWeights) that are good in the white image, by the patch's centre, in kGainSlopeUnit /
+  // px. Empty without a white image.
+  Image<int16_t> gain_slope_x, gain_slope_y;
 };
+
+inline constexpr float kGainSlopeUnit = 1.0f / 512;
 
 // Demosaicing, conversion to gray, vignetting, masks.
 //
@@ -68,18 +71,17 @@ class RawPreparation {
   // Such an image in gray, without a copy if it is.
   const cv::Mat& OneChannel(const cv::Mat& raw);
   void MeasureVignetting(const ImageF& white);
-  void SumGainSlopes(PreparedRaw* prepared);
-  // Calls row(y) where a mask may have changed within `reach` rows.
-  template <typename Row>
-  void ForRowsAround(int reach, const Row& row) const;
+  void SumGainSlopes(PreparedRaw* prepared) const;
+  // Lens colours of rows begin to end - 1 of `image`.
+  void MaskRows(const cv::Mat& image, int begin, int end, PreparedRaw* prepared) const;
+  // Whether masks of rows begin to end - 1 may differ from those of the last frame.
+  bool MasksChange(int begin, int end) const;
 
   const LensTable& lenses_;
   PreparationOptions options_;
   ImageF gain_;  // 0: masked
+  bool has_white_;
   cv::Mat one_channel_;
-  Image<uint8_t> good_;
-  Image<uint8_t> filtered_;        // good_ with all eight neighbours in the same micro image
-  Image<uint8_t> filtered_twice_;  // the same of filtered_
   // Rows of the last frame and of the one before with pixels masked that are good in the white
   // image. Of all rows as long as nothing is known of `last_prepared_`.
   std::vector<char> has_masked_, was_masked_;
