@@ -145,10 +145,11 @@ void DepthEstimator::Cells::ForEachAround(int i, int j, int cells, const Visit& 
   }
 }
 
-std::pair<int, int> DepthEstimator::RowsLookedAt(float Y0, float Y1) const {
+std::pair<int, int> DepthEstimator::RowsLookedAt(float Y0, float Y1, float beside_px) const {
   const float w0 = static_cast<float>(options_.min_inverse_virtual_depth);
   const float w1 = static_cast<float>(options_.max_inverse_virtual_depth);
-  const auto rows = lenses_.RowsAround(Y0, Y1, w0, w1, lenses_.radius_px());
+  // A point whose images move by that is seen by lenses as far away as with larger micro images.
+  const auto rows = lenses_.RowsAround(Y0, Y1, w0, w1, lenses_.radius_px() + beside_px);
   const float margin = kPatchMargin + kMaskReach * rows.longest_motion;
   const float height = static_cast<float>(lenses_.height());
   return {static_cast<int>(std::clamp(rows.first - margin, 0.0f, height)),
@@ -158,14 +159,15 @@ std::pair<int, int> DepthEstimator::RowsLookedAt(float Y0, float Y1) const {
 std::pair<int, int> DepthEstimator::RowsOfCells(int begin, int end) const {
   const float spacing = static_cast<float>(options_.seed_spacing);
   return RowsLookedAt(RawPosition(0, static_cast<float>(begin) * spacing - 0.5f).y(),
-                      RawPosition(0, static_cast<float>(end) * spacing - 0.5f).y());
+                      RawPosition(0, static_cast<float>(end) * spacing - 0.5f).y(),
+                      0);
 }
 
 // Texture may lie beside its node.
 std::pair<int, int> DepthEstimator::RowsOfNodes(int begin, int end) const {
-  const float beside = kFarTexture / static_cast<float>(options_.min_inverse_virtual_depth);
-  return RowsLookedAt(RawPosition(0, static_cast<float>(NodePixel(begin))).y() - beside,
-                      RawPosition(0, static_cast<float>(NodePixel(end - 1))).y() + beside);
+  return RowsLookedAt(RawPosition(0, static_cast<float>(NodePixel(begin))).y(),
+                      RawPosition(0, static_cast<float>(NodePixel(end - 1))).y(),
+                      kFarTexture);
 }
 
 template <typename RowsOf, typename Row>
@@ -455,6 +457,7 @@ void DepthEstimator::Estimate(const PreparedRaw& raw,
       nodes_.reach(i, j) = Reach(estimated.w);
     }
   });
+  rows_.Release();
   FuseNeighbours(nodes_, &fused_);
   SpreadNodes(fused_, inverse_virtual_depth, sigma);
 }

@@ -143,9 +143,9 @@ class DepthEstimator {
   // shows it; focused px.
   Eigen::Vector2f ToPixel(int i, int j, const Estimated& estimated) const;
   float Reach(float w) const;  // DepthNodes
-  // Rows of the raw image that virtual points at rows Y0 to Y1, undistorted raw px, are looked for
-  // in: begin and end.
-  std::pair<int, int> RowsLookedAt(float Y0, float Y1) const;
+  // Rows of the raw image, begin and end, that virtual points are looked for in whose images are up
+  // to `beside_px` raw px beside those of the rows Y0 to Y1, undistorted raw px.
+  std::pair<int, int> RowsLookedAt(float Y0, float Y1, float beside_px) const;
   std::pair<int, int> RowsOfCells(int begin, int end) const;
   std::pair<int, int> RowsOfNodes(int begin, int end) const;
   // Calls row(j) for rows 0 to count - 1 of cells or nodes, in parallel where rows_ holds what

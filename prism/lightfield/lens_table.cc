@@ -126,7 +126,6 @@ LensTable::LensTable(const PlenopticCamera& camera)
         cell.push_back({offset.di, offset.dj, static_cast<float>((basis * from_center).norm())});
       }
       std::stable_sort(cell.begin(), cell.end(), ByLength);
-      longest_offset_px_ = std::max(longest_offset_px_, cell.back().length_px);
     }
   }
   BuildColourMask();
@@ -232,28 +231,25 @@ int LensTable::LensesAround(float X0,
 
 LensTable::RowsOfViews LensTable::RowsAround(
     float Y0, float Y1, float w0, float w1, float max_radius_px) const {
-  // ChiefRay and Reach have their poles where this is 0, and are monotonic on either side.
+  // ChiefRay and Reach have their poles where this is 0. On either side of it their sum and their
+  // difference are monotonic in w, as all (a w + b) / (c w + d) are.
   const auto pole = [&](float w) { return Magnification(w) + 1 / eq8_scale_ - 1; };
-  if (w0 <= 0 || pole(w0) * pole(w1) <= 0) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    return {-kInfinity, kInfinity, kInfinity};
-  }
-  RowsOfViews rows{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest(), 0};
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  if (w0 <= 0 || pole(w0) * pole(w1) <= 0) return {-kInfinity, kInfinity, kInfinity};
+  RowsOfViews rows{kInfinity, -kInfinity, stretch_ * (max_radius_px + shift_px_) / w0};
   for (const float Y : {Y0, Y1}) {
     for (const float w : {w0, w1}) {
       const float y = ChiefRay(0, Y, w).y();
-      rows.first = std::min(rows.first, y);
-      rows.last = std::max(rows.last, y);
+      const float reach = Reach(w, max_radius_px);
+      rows.first = std::min(rows.first, y - reach);
+      rows.last = std::max(rows.last, y + reach);
     }
   }
-  // From the chief ray to the micro images, those of a cell being listed around its middle, and
-  // from their centres to the views.
-  const float reach = std::max(Reach(w0, max_radius_px), Reach(w1, max_radius_px));
-  const float around = std::min(reach + cell_radius_px(), longest_offset_px_) + cell_radius_px() +
-                       stretch_ * max_radius_px;
+  // Lenses are listed by their distance from the middle of the part of a cell that the chief ray
+  // lies in; and from the centres of the micro images to the views.
+  const float around = 2 * cell_radius_px() + stretch_ * max_radius_px;
   rows.first -= around;
   rows.last += around;
-  rows.longest_motion = stretch_ * (max_radius_px + shift_px_) / w0;
   return rows;
 }
 

@@ -183,7 +183,6 @@ class LensTable {
   // From the lens (floor(u), floor(v)) to those around the centre of each part of the cell (u, v)
   // of the lattice, by distance from it.
   std::vector<Offset> cell_offsets_[kCells][kCells];
-  float longest_offset_px_ = 0;  // of these
   Image<uint8_t> colour_mask_;
 };
 

@@ -18,20 +18,29 @@ bool Continues(const HalfPixelImage& image, int begin) {
 
 }  // namespace
 
-// A row is smoothed again with those above and below it.
 SmoothRows::SmoothRows(int width, int height, int rows, bool is_smoothed_twice)
-    : rows_(std::min(rows, height)),
-      is_smoothed_twice_(is_smoothed_twice),
-      smooth_(width, height, rows + (is_smoothed_twice ? 2 : 0)) {
-  if (is_smoothed_twice) smoother_ = HalfPixelImage(width, height, rows);
-}
+    : width_(width),
+      height_(height),
+      rows_(std::min(rows, height)),
+      is_smoothed_twice_(is_smoothed_twice) {}
 
 void SmoothRows::Begin(const ImageF& raw) {
-  CHECK_EQ(raw.width(), smooth_.width());
-  CHECK_EQ(raw.height(), smooth_.height());
+  CHECK_EQ(raw.width(), width_);
+  CHECK_EQ(raw.height(), height_);
   raw_ = &raw;
+  // A row is smoothed again with those above and below it.
+  const int around = is_smoothed_twice_ ? 2 : 0;
+  if (smooth_.room() == 0) smooth_ = HalfPixelImage(width_, height_, rows_ + around);
+  if (smoother_.room() == 0 && is_smoothed_twice_) {
+    smoother_ = HalfPixelImage(width_, height_, rows_);
+  }
   smooth_.Restart(0);
   if (is_smoothed_twice_) smoother_.Restart(0);
+}
+
+void SmoothRows::Release() {
+  raw_ = nullptr;
+  if (rows_ < height_) smooth_ = smoother_ = HalfPixelImage();
 }
 
 void SmoothRows::MoveTo(int begin, int end) {

@@ -24,6 +24,8 @@ class SmoothRows {
   int room() const { return rows_; }
   // Takes another image, which has to stay until the next one. Holds none of its rows.
   void Begin(const ImageF& raw);
+  // Gives the memory of a window back until the next image; that of whole images is kept.
+  void Release();
   // Makes the rows begin to end - 1, as far as they are within the image, those that are held; at
   // most room() of them. In parallel. Rows that were held already are not made again.
   void MoveTo(int begin, int end);
@@ -38,7 +40,7 @@ class SmoothRows {
 
  private:
   const ImageF* raw_ = nullptr;
-  int rows_ = 0;
+  int width_ = 0, height_ = 0, rows_ = 0;
   bool is_smoothed_twice_ = false;
   HalfPixelImage smooth_, smoother_;
 };

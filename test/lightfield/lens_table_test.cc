@@ -184,7 +184,7 @@ TEST(LensTable, RowsAroundHoldAllViewsOfTheirPointsAndNotManyMore) {
       ASSERT_GE(first, rows.first)
           << "trial " << trial << ": " << Y0 << " to " << Y1 << ", 1/v " << w0 << " to " << w1;
       ASSERT_LE(last, rows.last);
-      EXPECT_LT(rows.last - rows.first, 700)
+      EXPECT_LT(rows.last - rows.first, 850)
           << Y0 << " to " << Y1 << ", 1/v " << w0 << " to " << w1;
     }
     EXPECT_GT(views_checked, 100000);
