@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -328,6 +332,41 @@ TEST(Processor, ColourIsFocusedWhereItIsAskedFor) {
     EXPECT_NEAR(mean[2] / mean[1], 0.5, 0.01);
     EXPECT_NEAR(mean[1], 120, 8);
   }
+}
+
+// MiB of this process, VmRSS or VmHWM.
+double MemoryMib(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind(key + ":", 0) == 0) return std::stod(line.substr(key.size() + 1)) / 1024;
+  }
+  return NAN;
+}
+
+// In a process of its own: what tests before this one took would count.
+[[noreturn]] void ProcessALargeFrame(double max_bytes_per_px) {
+  constexpr int kSize = 4400;
+  PlenopticCamera camera = SmallCamera(kSize);
+  camera.micro_lens_grid->types = {{{0, 0}, 1, 3.2}, {{0, 1}, 2.6, 4.2}, {{0, -1}, 3.5, 100}};
+  const cv::Mat raw(kSize, kSize, CV_8UC1, cv::Scalar(120)), white(raw.size(), CV_8UC1, 230);
+  const double before = MemoryMib("VmRSS");
+  {
+    LightFieldProcessor processor(camera, white, {});
+    for (int frame = 0; frame < 2; ++frame) processor.Process(Frame(raw));
+  }
+  const double bytes = (MemoryMib("VmHWM") - before) * 1024 * 1024;
+  const double bytes_per_px = bytes / (1.0 * kSize * kSize);
+  std::fprintf(stderr, "%.1f bytes a raw pixel\n", bytes_per_px);
+  std::_Exit(bytes_per_px < max_bytes_per_px ? 0 : 1);
+}
+
+TEST(ProcessorDeathTest, AFrameOfALargeSensorTakesFewBytesAPixel) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take memory of their own";
+#endif
+  if (!std::filesystem::exists("/proc/self/status")) GTEST_SKIP() << "needs /proc";
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(ProcessALargeFrame(30), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(Processor, MeetsItsAccuracyOnHouseRaw) {
