@@ -254,8 +254,19 @@ LightFieldVerdict Sequence::Verdict() const {
   return verdict_->light_field;
 }
 
+// As many as even out what frames take, of large ones fewer: one being made while another is
+// tracked is what matters.
+size_t Sequence::FramesAhead() const {
+  constexpr size_t kMost = 3;
+  constexpr size_t kManyBytes = size_t{64} << 20;
+  constexpr size_t kBytesAPixel = 14;  // image with its pyramid, inverse virtual depth, sigma
+  const size_t bytes =
+      kBytesAPixel * static_cast<size_t>(camera_.focused_width()) * camera_.focused_height();
+  return std::clamp(kManyBytes / std::max(bytes, size_t{1}), size_t{1}, kMost);
+}
+
 void Sequence::ReadAhead() {
-  while (pending_.size() < kAhead && next_to_read_ < size()) {
+  while (pending_.size() < FramesAhead() && next_to_read_ < size()) {
     const int index = start_frame_ + play_order_->file_index(next_to_read_++);
     pending_.push_back(std::async(std::launch::async, [this, index] { return Read(index); }));
   }

@@ -115,14 +115,13 @@ class Sequence {
   const StageTimer& timer() const { return timer_; }
 
  private:
-  static constexpr size_t kAhead = 3;  // frames
-
   struct FrameRead {
     LightFieldFrame frame;
     std::map<std::string, double> stage_ms;
   };
 
   void ReadAhead();
+  size_t FramesAhead() const;
   FrameRead Read(int file_index);
 
   std::string format_;
