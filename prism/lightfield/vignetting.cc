@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "prism/image/interpolation.h"
+#include "prism/lightfield/grid_estimation.h"
 
 namespace prism {
 namespace {
@@ -128,7 +129,7 @@ double MeanOnRing(const ImageF& shading, double inner, double outer) {
 }
 
 std::optional<Vignetting> EstimateInRegions(const LensTable& lenses,
-                                            const std::vector<ImageF>& frames,
+                                            const std::vector<cv::Mat>& frames,
                                             int side,
                                             int min_micro_images) {
   constexpr double kCentre = 0.4;                // of the radius
@@ -139,7 +140,8 @@ std::optional<Vignetting> EstimateInRegions(const LensTable& lenses,
   const Regions regions(lenses, side);
   std::vector<Shading> shading(static_cast<size_t>(num_types) * regions.size(), Shading(reach));
   std::vector<int> used(shading.size(), 0);
-  for (const ImageF& frame : frames) {
+  for (const cv::Mat& image : frames) {
+    const ImageF frame = MeanImage({image});  // one at a time: that of a large sensor takes 130 MB
     for (const Lens& lens : lenses.lenses()) {
       const double centre = CentralBrightness(frame, lens, reach, kCentre * radius);
       if (centre < kDark || centre > kSaturated) continue;
@@ -182,7 +184,7 @@ std::optional<Vignetting> EstimateInRegions(const LensTable& lenses,
 }  // namespace
 
 std::optional<Vignetting> EstimateVignetting(const LensTable& lenses,
-                                             const std::vector<ImageF>& frames) {
+                                             const std::vector<cv::Mat>& frames) {
   constexpr int kMany = 400, kFew = 100;  // micro images of a type in a region, over all frames
   for (const int side : {3, 2}) {
     if (auto vignetting = EstimateInRegions(lenses, frames, side, kMany)) return vignetting;

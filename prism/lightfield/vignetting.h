@@ -7,7 +7,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "prism/image/image.h"
 #include "prism/lightfield/lens_table.h"
 
 namespace prism {
@@ -29,8 +28,8 @@ struct Vignetting {
 // are blended, of the brightness at each place relative to that around the centre; between the
 // quartiles, so that edges do not count. What a scene shows there differs from lens to lens and
 // averages out. Nothing if one type has fewer than 100 micro images to tell from.
-// `frames`: gray, 0 to 255, raw px.
+// `frames`: raw images, 8 or 16 bits, 1 or 3 channels.
 std::optional<Vignetting> EstimateVignetting(const LensTable& lenses,
-                                             const std::vector<ImageF>& frames);
+                                             const std::vector<cv::Mat>& frames);
 
 }  // namespace prism

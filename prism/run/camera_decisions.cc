@@ -114,7 +114,7 @@ std::vector<GridCandidate> FindGrids(const std::string& grid_path,
 
 // Without a white image the frames say how their micro images are shaded.
 cv::Mat FindVignetting(const PlenopticCamera& camera,
-                       const std::vector<ImageF>& frames,
+                       const std::vector<cv::Mat>& frames,
                        std::string* report) {
   std::optional<Vignetting> vignetting = EstimateVignetting(LensTable(camera), frames);
   if (!vignetting) {
@@ -144,8 +144,7 @@ class FirstFrameDecisions {
   // Of `frames` the first one decides; the vignetting is found on all of them, if it is to be.
   FirstFrameDecisions(const std::vector<RawFrame>& frames, bool find_vignetting, RawInput* input)
       : first_(frames.front()), input_(input) {
-    if (!find_vignetting) return;
-    for (const RawFrame& frame : frames) gray_.push_back(MeanImage({frame.image}));
+    if (find_vignetting) images_ = ImagesOf(frames);
   }
 
   void Decide(const std::vector<GridCandidate>& grids) {
@@ -170,7 +169,7 @@ class FirstFrameDecisions {
   Choice TryGrid(const GridCandidate& candidate) const {
     Choice choice{input_->camera, input_->white, candidate.report, {}};
     choice.camera.micro_lens_grid = candidate.grid;
-    if (!gray_.empty()) choice.white = FindVignetting(choice.camera, gray_, &choice.report);
+    if (!images_.empty()) choice.white = FindVignetting(choice.camera, images_, &choice.report);
     choice.trial = Try(choice.camera, choice.white);
     return choice;
   }
@@ -242,7 +241,7 @@ class FirstFrameDecisions {
 
   const RawFrame& first_;
   RawInput* input_;
-  std::vector<ImageF> gray_;
+  std::vector<cv::Mat> images_;  // the vignetting is found on
   CameraTrial trial_;
   std::string mode_report_;
 };

@@ -123,10 +123,9 @@ MicroLensEstimate EstimateMicroLenses(const RawInputOptions& options) {
     return estimate;
   }
   if (white.empty() && white_path != kNoWhiteImage) {
-    std::vector<ImageF> gray;
-    for (const RawFrame& frame : frames) gray.push_back(MeanImage({frame.image}));
-    const std::optional<Vignetting> vignetting = WithThreads(
-        options.threads, [&] { return EstimateVignetting(LensTable(estimate.camera), gray); });
+    const std::optional<Vignetting> vignetting = WithThreads(options.threads, [&] {
+      return EstimateVignetting(LensTable(estimate.camera), ImagesOf(frames));
+    });
     if (vignetting && vignetting->IsNeeded()) white = vignetting->white;
   }
   FindMode(white, light_field, frames[0], &estimate);

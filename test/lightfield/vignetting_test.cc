@@ -4,16 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include "prism/lightfield/grid_estimation.h"
 #include "test/lightfield/synthetic_frame.h"
 
 namespace prism {
 namespace {
 
-std::vector<ImageF> Frames(const PlenopticCamera& camera, bool vignetting) {
-  std::vector<ImageF> frames;
+std::vector<cv::Mat> Frames(const PlenopticCamera& camera, bool vignetting) {
+  std::vector<cv::Mat> frames;
   for (const double w : {0.24, 0.27, 0.31, 0.35}) {
-    frames.push_back(MeanImage({RenderPlane(camera, w, WavyTexture, 1.5, vignetting)}));
+    frames.push_back(RenderPlane(camera, w, WavyTexture, 1.5, vignetting));
   }
   return frames;
 }
@@ -53,7 +52,7 @@ TEST(EstimateVignetting, EvenMicroImagesNeedNone) {
 
 TEST(EstimateVignetting, DarkFramesTellNothing) {
   const PlenopticCamera camera = SmallCamera();
-  EXPECT_FALSE(EstimateVignetting(LensTable(camera), {ImageF(320, 320, 3)}));
+  EXPECT_FALSE(EstimateVignetting(LensTable(camera), {cv::Mat(320, 320, CV_8UC1, cv::Scalar(3))}));
 }
 
 }  // namespace
