@@ -27,8 +27,9 @@ struct LightFieldOptions {
 };
 
 // Turns raw frames of one camera into what the odometry works on. Tables and buffers are made once;
-// a frame allocates only the images it returns. The result does not depend on the number of threads
-// nor on the frames before. Not to be called from two threads at once.
+// a frame allocates only the images it returns and, where it is large, the rows of half-pixel
+// images that are looked at. The result does not depend on the number of threads nor on the frames
+// before. Not to be called from two threads at once.
 class LightFieldProcessor {
  public:
   // `white`: white image of the camera's raw size, or empty for frames that are
