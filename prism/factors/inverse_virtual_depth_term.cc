@@ -100,7 +100,7 @@ void InverseVirtualDepthTerm::AddPointFactors(const Window& window,
   for (size_t j = 0; j < window.keyframes.size(); ++j) {
     const Keyframe& target = *window.keyframes[j];
     if (j == host_index || IsDepthOutlier(point, target)) continue;
-    double sigma;
+    double sigma = 0;
     const std::optional<TransferredDepth> depth = DepthMeasuredIn(
         target, window.camera, graph->pair(host_index, j).current.target_from_host, point, &sigma);
     if (!depth) continue;

@@ -65,7 +65,7 @@ TEST(InverseVirtualDepthCost, OffsetEntersByItsGain) {
   const PlenopticProjection camera(SyntheticCamera(SyntheticOptions()));
   const InverseVirtualDepthCost cost(0.4, 0.002, 0.7, &camera);
   const double rho = 0.4, zero = 0, offset = 0.001;
-  double at_zero, at_offset, slope;
+  double at_zero = 0, at_offset = 0, slope = 0;
   const double* const without[] = {&rho, &zero};
   const double* const with[] = {&rho, &offset};
   double* jacobians[] = {nullptr, &slope};
@@ -106,7 +106,7 @@ TEST_F(DepthsOfOtherKeyframes, AreMeasurementsOfAPointToo) {
       window_, {std::make_shared<InverseVirtualDepthTerm>(InverseVirtualDepthTermOptions())}, {});
   for (const FactorGraph::Factor& factor : graph->factors()) {
     const double* rho = graph->values(graph->BlocksOf(factor)[0]);
-    double residual;
+    double residual = 0;
     ASSERT_TRUE(factor.cost->Evaluate(&rho, &residual, nullptr));
     // Exact in other keyframes but for the slope of the plane within half a pixel; measured with
     // noise in the host.
