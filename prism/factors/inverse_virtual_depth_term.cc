@@ -20,12 +20,12 @@ std::optional<TransferredDepth> DepthMeasuredIn(const Keyframe& target,
                                                 const RigidMotion& target_from_host,
                                                 const Point& point,
                                                 double* sigma) {
+  const LightFieldFrame& frame = *target.frame;
   Eigen::Vector3d x_V;
-  if (!IsObserved(camera, target_from_host, point, target) ||
+  if (frame.sigma.size() == 0 || !IsObserved(camera, target_from_host, point, target) ||
       !ProjectBetweenFrames(camera, point.patch.px, point.rho, target_from_host, &x_V)) {
     return std::nullopt;
   }
-  const LightFieldFrame& frame = *target.frame;
   const int x = static_cast<int>(std::lround(x_V.x()));
   const int y = static_cast<int>(std::lround(x_V.y()));
   *sigma = frame.sigma(x, y);

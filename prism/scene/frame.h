@@ -27,8 +27,9 @@ inline constexpr double kMicroImageDepthCorrelation = 5.5;
 // What the odometry works on: the totally focused image and the inverse virtual depth on its grid.
 struct LightFieldFrame {
   int64_t time_ns = 0;
-  ImagePyramid image;            // gray, 0 to 255, level 0 the focused grid
-  cv::Mat colour;                // level 0 in colour, BGR, 8 bits; empty: not known
+  ImagePyramid image;  // gray, 0 to 255, level 0 the focused grid
+  cv::Mat colour;      // level 0 in colour, BGR, 8 bits; empty: not known
+  // Of a window without measured depths both may be empty.
   ImageF inverse_virtual_depth;  // 1/v on the focused grid; 0 = no measurement
   ImageF sigma;                  // standard deviation of 1/v; 0 = no measurement
   // Errors of 1/v at two pixels at distance d correlate by exp(-d^2 / (2 c^2)); c in focused px.

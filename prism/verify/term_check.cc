@@ -22,6 +22,8 @@ constexpr int kPointsPerKeyframe = 4;
 // float.
 std::shared_ptr<const LightFieldFrame> AnalyticFrame(int width, int height, int64_t time_ns) {
   auto frame = std::make_shared<LightFieldFrame>();
+  frame->inverse_virtual_depth = ImageF(width, height, 0.4f);
+  frame->sigma = ImageF(width, height, 0.004f);
   frame->time_ns = time_ns;
   ImageF image(width, height);
   for (int y = 0; y < height; ++y) {
