@@ -31,9 +31,9 @@ constexpr double kMaxPitchChange = 0.003;
 constexpr double kMaxMove = 0.3;
 constexpr double kCertainRms = 0.5;  // px; above, what the frames show has moved the grid as well
 constexpr double kSmallRotation = 0.5;  // px at the image border
-constexpr double kManyDepths = 0.12;    // of the pixels: more than upside-down images ever gave
+constexpr double kManyDepths = 0.25;    // of the pixels: upside-down images gave up to 0.14
 constexpr double kFewDepths = 0.03;
-constexpr double kMinMoreDepths = 2.5;  // times as many in the other mode
+constexpr double kMinMoreDepths = 2;  // times as many in the other mode
 
 [[noreturn]] void ThrowGridDoesNotFit(const std::string& grid_path,
                                       const MicroLensGrid& grid,
