@@ -16,4 +16,10 @@ double Quantile(std::vector<double> values, double q) {
   return values[index];
 }
 
+double UpperMedian(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace prism

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "prism/base/statistics.h"
 #include "prism/calibration/camera_model.h"
 #include "prism/camera/projection.h"
 
@@ -46,12 +47,6 @@ std::vector<Sample> SamplesAround(const LightFieldFrame& frame,
   return samples;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::optional<LocalDepth> FitLocalDepth(const LightFieldFrame& frame,
@@ -62,7 +57,7 @@ std::optional<LocalDepth> FitLocalDepth(const LightFieldFrame& frame,
   // Start at the median, so that a group of gross errors does not decide.
   std::vector<double> depths;
   for (const Sample& sample : samples) depths.push_back(sample.w);
-  Eigen::Vector3d plane(Median(depths), 0, 0);
+  Eigen::Vector3d plane(UpperMedian(depths), 0, 0);
   Eigen::Matrix3d information;
   double weights = 0;
   for (int iteration = 0; iteration < 8; ++iteration) {
@@ -70,7 +65,7 @@ std::optional<LocalDepth> FitLocalDepth(const LightFieldFrame& frame,
     for (const Sample& sample : samples) {
       misfits.push_back(std::abs(sample.w - plane.dot(sample.basis)) * std::sqrt(sample.weight));
     }
-    const double scale = std::max(Median(misfits) / 0.6745, 1e-6);
+    const double scale = std::max(UpperMedian(misfits) / 0.6745, 1e-6);
     information.setZero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     weights = 0;

@@ -7,6 +7,8 @@
 
 #include <opencv2/calib3d.hpp>
 
+#include "prism/base/statistics.h"
+
 namespace prism {
 namespace {
 
@@ -135,17 +137,11 @@ std::vector<LinePoint> LinePointsOf(const CalibrationBoard& board,
   return points;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Of (v - v_inf - k x) / v.
 double MedianMisfit(const std::vector<LinePoint>& points, double v_inf, double k) {
   std::vector<double> misfits;
   for (const LinePoint& p : points) misfits.push_back((p.v - v_inf - k * p.x) / p.v);
-  return std::abs(Median(misfits));
+  return std::abs(UpperMedian(misfits));
 }
 
 }  // namespace
@@ -189,8 +185,8 @@ std::vector<int> FindStrangers(const CalibrationBoard& board,
       x.push_back(point.x);
       v.push_back(point.v);
     }
-    view.x = Median(x);
-    view.v = Median(v);
+    view.x = UpperMedian(x);
+    view.v = UpperMedian(v);
     farthest = std::max(farthest, view.x);
     all.push_back(std::move(view));
   }
@@ -206,7 +202,7 @@ std::vector<int> FindStrangers(const CalibrationBoard& board,
       const double v_inf = all[i].v - k * all[i].x;
       std::vector<double> of_line;
       for (const ViewOnLine& view : all) of_line.push_back(MedianMisfit(view.points, v_inf, k));
-      const double median = Median(of_line);
+      const double median = UpperMedian(of_line);
       if (!(median < least)) continue;
       least = median;
       misfits = of_line;

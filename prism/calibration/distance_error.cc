@@ -7,18 +7,13 @@
 
 #include <glog/logging.h>
 
+#include "prism/base/statistics.h"
 #include "prism/camera/projection.h"
 
 namespace prism {
 namespace {
 
 using CameraCovariance = Eigen::Matrix<double, kNumCameraParameters, kNumCameraParameters>;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // z of q = sign / v under a set of parameters.
 double DistanceOf(const FixedFigures& fixed, const CameraParameters& p, double q) {
@@ -138,10 +133,10 @@ std::vector<LeftOutView> LeaveOneOut(const CalibrationBoard& board,
                           std::pow(noise.depth_offset_sigma * per_q, 2));
     }
     if (errors.empty()) continue;
-    view.relative_error = Median(errors);
+    view.relative_error = UpperMedian(errors);
     const double calibration =
         DistanceSigma(fixed, state.camera, *without.covariance, view.distance_m);
-    view.sigma = std::sqrt(calibration * calibration + Median(variances));
+    view.sigma = std::sqrt(calibration * calibration + UpperMedian(variances));
     left_out.push_back(view);
   }
   return left_out;

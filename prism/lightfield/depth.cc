@@ -10,6 +10,7 @@
 #include <glog/logging.h>
 #include <tbb/parallel_for.h>
 
+#include "prism/base/statistics.h"
 #include "prism/camera/projection.h"
 #include "prism/lightfield/defocus_match.h"
 #include "prism/lightfield/depth_sweep.h"
@@ -282,11 +283,11 @@ void DepthEstimator::DropTruncatedSeeds() {
   constexpr int kCellsAround = 2;
   const float step = static_cast<float>(options_.search_step);
   const float last = static_cast<float>(options_.max_inverse_virtual_depth) - step;
-  std::vector<Estimated> kept = seeds_.estimates;
-  std::vector<float> others;
+  std::vector<Estimated*> truncated;
+  std::vector<double> others;
   for (int j = 0; j < seeds_.height; ++j) {
     for (int i = 0; i < seeds_.width; ++i) {
-      const Estimated& seed = seeds_(i, j);
+      Estimated& seed = seeds_(i, j);
       if (seed.w == 0 || seed.limit > last) continue;
       // What 1/v is there is asked of its neighbours: its own noise decides nothing then.
       others.clear();
@@ -296,14 +297,11 @@ void DepthEstimator::DropTruncatedSeeds() {
         }
       });
       if (others.empty()) others.push_back(seed.w);
-      const auto median = others.begin() + static_cast<std::ptrdiff_t>(others.size() / 2);
-      std::nth_element(others.begin(), median, others.end());
-      if (seed.limit < *median + kMargin * step) {
-        kept[static_cast<size_t>(j) * seeds_.width + i] = {};
-      }
+      const float there = static_cast<float>(UpperMedian(others));
+      if (seed.limit < there + kMargin * step) truncated.push_back(&seed);
     }
   }
-  seeds_.estimates = std::move(kept);
+  for (Estimated* seed : truncated) *seed = {};
 }
 
 Eigen::Vector2f DepthEstimator::RawPosition(float x, float y) const {
