@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "prism/factors/inverse_virtual_depth_term.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <glog/logging.h>
@@ -22,8 +21,7 @@ std::optional<TransferredDepth> DepthMeasuredIn(const Keyframe& target,
                                                 double* sigma) {
   const LightFieldFrame& frame = *target.frame;
   Eigen::Vector3d x_V;
-  if (frame.sigma.size() == 0 || !IsObserved(camera, target_from_host, point, target) ||
-      !ProjectBetweenFrames(camera, point.patch.px, point.rho, target_from_host, &x_V)) {
+  if (frame.sigma.size() == 0 || !IsObserved(camera, target_from_host, point, target, &x_V)) {
     return std::nullopt;
   }
   const int x = static_cast<int>(std::lround(x_V.x()));
@@ -83,7 +81,7 @@ void InverseVirtualDepthTerm::AddPointFactors(const Window& window,
                                               const Point& point,
                                               int rho_block,
                                               WindowGraph* graph) const {
-  const auto add = [&](const Keyframe& keyframe, double w, double sigma, double gain) {
+  const auto add = [&](const Keyframe& keyframe, int group, double w, double sigma, double gain) {
     std::vector<int> blocks = {rho_block};
     const int offset = DepthOffsetBlock(*graph, keyframe);
     if (offset >= 0) blocks.push_back(offset);
@@ -91,11 +89,13 @@ void InverseVirtualDepthTerm::AddPointFactors(const Window& window,
     factor.cost = std::make_unique<InverseVirtualDepthCost>(
         w, window.noise.DepthScale() * sigma, offset >= 0 ? gain : 0, &window.camera);
     factor.loss = loss_.get();
-    factor.group = keyframe.id;
+    factor.group = group;
     factor.keeps_first_estimates = true;  // it is linear in the offset
     graph->AddFactor(std::move(factor), blocks);
   };
-  if (point.w_sigma > 0) add(*window.keyframes[host_index], point.w_measured, point.w_sigma, 1);
+  if (point.w_sigma > 0) {
+    add(*window.keyframes[host_index], kHost, point.w_measured, point.w_sigma, 1);
+  }
   if (!options_.of_all_keyframes) return;
   for (size_t j = 0; j < window.keyframes.size(); ++j) {
     const Keyframe& target = *window.keyframes[j];
@@ -106,21 +106,17 @@ void InverseVirtualDepthTerm::AddPointFactors(const Window& window,
     if (!depth) continue;
     // Points are as dense in the target as in the host, and share their errors as much.
     sigma *= std::sqrt(point.depth_sharing);
-    add(target, depth->w, depth->gain * sigma, depth->gain);
+    add(target, target.id, depth->w, depth->gain * sigma, depth->gain);
   }
 }
 
 void InverseVirtualDepthTerm::Reject(const FactorGraph::Factor& factor,
                                      Point* point,
-                                     Window* window) const {
-  const Keyframe& keyframe = window->Get(factor.group);
-  const bool is_host = std::any_of(keyframe.points.begin(),
-                                   keyframe.points.end(),
-                                   [&](const auto& hosted) { return hosted.get() == point; });
-  if (is_host) {
+                                     Window* /*window*/) const {
+  if (factor.group == kHost) {
     point->w_sigma = 0;
   } else {
-    point->depth_outlier_targets.push_back(keyframe.id);
+    point->depth_outlier_targets.push_back(factor.group);
   }
 }
 

@@ -57,6 +57,8 @@ class InverseVirtualDepthTerm : public Term {
   explicit InverseVirtualDepthTerm(const InverseVirtualDepthTermOptions& options);
 
   static constexpr char kName[] = "inverse virtual depth";
+  // Group of the factor of what the host measured; that of another keyframe's is its id.
+  static constexpr int kHost = -1;
   std::string name() const override { return kName; }
   void AddPointFactors(const Window& window,
                        size_t host_index,

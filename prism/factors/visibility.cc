@@ -26,11 +26,19 @@ bool IsDepthOutlier(const Point& point, const Keyframe& target) {
 bool IsObserved(const PlenopticProjection& camera,
                 const RigidMotion& target_from_host,
                 const Point& point,
+                const Keyframe& target,
+                Eigen::Vector3d* x_V) {
+  return !IsHidden(point, target) &&
+         ProjectBetweenFrames(camera, point.patch.px, point.rho, target_from_host, x_V) &&
+         target.frame->image[0].view().Contains(x_V->x(), x_V->y(), kPatternRadius + 2);
+}
+
+bool IsObserved(const PlenopticProjection& camera,
+                const RigidMotion& target_from_host,
+                const Point& point,
                 const Keyframe& target) {
-  if (IsHidden(point, target)) return false;
   Eigen::Vector3d x_V;
-  return ProjectBetweenFrames(camera, point.patch.px, point.rho, target_from_host, &x_V) &&
-         target.frame->image[0].view().Contains(x_V.x(), x_V.y(), kPatternRadius + 2);
+  return IsObserved(camera, target_from_host, point, target, &x_V);
 }
 
 bool IsObserved(const Window& window,

@@ -13,7 +13,12 @@ bool IsHidden(const Point& point, const Keyframe& target);
 bool IsDepthOutlier(const Point& point, const Keyframe& target);
 
 // True if the point's pattern falls into the target image and has not been found to be an outlier
-// there.
+// there. Then `x_V` is where (ProjectBetweenFrames).
+bool IsObserved(const PlenopticProjection& camera,
+                const RigidMotion& target_from_host,
+                const Point& point,
+                const Keyframe& target,
+                Eigen::Vector3d* x_V);
 bool IsObserved(const PlenopticProjection& camera,
                 const RigidMotion& target_from_host,
                 const Point& point,

@@ -124,7 +124,7 @@ TEST_F(DepthsOfOtherKeyframes, AreForgottenOneByOne) {
   term.Reject(factor, &point, &window_);
   EXPECT_GT(point.w_sigma, 0);
   EXPECT_EQ(NumFactorsOf(window_, {}), before - 1);
-  factor.group = window_.keyframes[0]->id;
+  factor.group = InverseVirtualDepthTerm::kHost;
   term.Reject(factor, &point, &window_);
   EXPECT_EQ(point.w_sigma, 0);
   EXPECT_EQ(NumFactorsOf(window_, {}), before - 2);
